@@ -21,12 +21,9 @@ LEFT_OUT = ["docs/decisions", "docs/benchmarks.md"]
 GLOSSARY = "docs/glossary.md"
 
 # Areas that still use other words. Remove an area here when it is done.
-NOT_DONE = ["apps", "python", "docs/results.md", "docs/tasks", "docs/reference/command-line.md",
-            "docs/reference/errors.md", "docs/reference/formats.md", "bench", "src/files",
-            "src/volume_files", "src/mesh_files", "tests/adversarial", "tests/cli", "tests/data",
-            "tests/differential", "tests/fuzz", "tests/install", "tests/python", "tests/regression",
-            "tests/unit/files", "tests/unit/mesh_files", "tests/unit/volume_files",
-            "tests/CMakeLists.txt"]
+NOT_DONE = ["python", "docs/results.md", "docs/reference/formats.md", "bench", "src/files",
+            "src/volume_files", "src/mesh_files", "tests/data", "tests/differential", "tests/fuzz",
+            "tests/python", "tests/unit/files", "tests/unit/mesh_files", "tests/unit/volume_files"]
 
 # What not to say -> what to say. Patterns see lower-case words separated by single blanks.
 WORDS = {
@@ -68,6 +65,8 @@ EXCEPTIONS = [
     ("README.md", r"#what-the-readme-says", "a heading of a generated page"),
     ("docs/limits.md", r"#what-the-readme-says", "a heading of a generated page"),
     ("src/core/distance_queue.h", r"bucket", "the buckets of a radix heap"),
+    ("apps/isoatlas/completion.cpp", r"shift words", "a builtin of zsh"),
+    ("tests/cli/cli_test.py", r"MET_UCHAR", "a word of MetaImage headers"),
     ("tests/unit/error/measure_test.cpp", r"/ rings, around", "two variables side by side"),
 ]
 

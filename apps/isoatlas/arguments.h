@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands take from the command line: the options, their help, and nothing of what they
-// do.
+// The arguments of the commands: their options, with help texts, and the values after parsing.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -26,14 +25,13 @@ struct VolumeArguments {
 struct ExtractArguments : ExtractSettings {
   VolumeArguments volume;
   std::filesystem::path mesh;
-  std::string format;  ///< of a mesh that goes to standard output: an extension without its dot;
-                       ///< empty: not said
+  std::string format;  ///< of a mesh on standard output: an extension without its dot; empty: not
+                       ///< given
   std::optional<std::filesystem::path> report, page;
-  bool glb_per_level =
-      false;            ///< besides `mesh`, which is a .glb, one for each level, and a manifest
-  bool coarse = false;  ///< nothing but level 0
-  bool strict = false;  ///< write nothing where something is not as asked for or promised
-  std::string command;  ///< the whole command line, for people to run again
+  bool glb_per_level = false;  ///< also write one .glb per level, and a manifest
+  bool coarse = false;         ///< only level 0
+  bool strict = false;         ///< write nothing if the exit status would be kUnsatisfied
+  std::string command;         ///< the whole command line, quoted for a shell
   bool quiet = false, verbose = false;
 };
 
@@ -44,10 +42,10 @@ struct InfoArguments {
 
 struct CheckArguments {
   std::filesystem::path mesh;
-  std::optional<std::filesystem::path> volume;  ///< whose isosurface the mesh is measured against
+  std::optional<std::filesystem::path> volume;  ///< the distance to its isosurface is measured
   ReadOptions read;                             ///< how to read the volume
-  MeasureOptions measure;                       ///< all but the space
-  std::optional<Space> space;                   ///< none: as the mesh file says
+  MeasureOptions measure;                       ///< everything except the space
+  std::optional<Space> space;                   ///< none: the space that the mesh file states
   bool self_intersections = false;
   bool json = false;
 };
@@ -74,7 +72,7 @@ struct CompletionArguments {
   std::string shell;
 };
 
-/// Each adds one command to `app` that fills `arguments` when it is parsed.
+/// Each function adds one command to `app`. Parsing the command fills `arguments`.
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments);
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments);
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments);
@@ -83,7 +81,7 @@ CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments);
 CLI::App* add_picture_command(CLI::App& app, PictureArguments& arguments);
 CLI::App* add_completion_command(CLI::App& app, CompletionArguments& arguments);
 
-/// Name, version and help page of the tool itself.
+/// Sets name, version and help page of the tool itself.
 void describe_tool(CLI::App& app);
 
 }  // namespace isoatlas::detail::tool

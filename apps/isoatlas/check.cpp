@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas check: is this mesh what a mesh should be?
+// isoatlas check: checks the topology, shape and distance of a mesh.
 #include <algorithm>
 #include <iostream>
 #include <optional>
@@ -24,7 +24,7 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-/// "yes", or "no: " and those of the faults that occur.
+/// "yes", or "no: " and the faults that occur, with their counts.
 std::string verdict(std::initializer_list<std::pair<std::size_t, const char*>> faults) {
   std::string text;
   for (const auto& [count, fault] : faults)
@@ -97,16 +97,16 @@ void print_self_intersections(const SelfIntersectionReport& report) {
     std::cout << row("", "and " + counted(report.pairs - report.first.size(), "more pair"));
 }
 
-/// What the user says, else what the file says, else lps.
+/// The space that the user states, else that of the file, else lps.
 Space space_of(const CheckArguments& arguments) {
   if (arguments.space) return *arguments.space;
-  const std::string said = lower_case(mesh_space(arguments.mesh));
-  return said == "ras" ? Space::ras : said == "voxel" ? Space::voxel : Space::lps;
+  const std::string stated = lower_case(mesh_space(arguments.mesh));
+  return stated == "ras" ? Space::ras : stated == "voxel" ? Space::voxel : Space::lps;
 }
 
 struct MeasuredDistance {
   DistanceReport report;
-  LengthUnit unit = LengthUnit::unknown;  // of its lengths and places: the volume's
+  LengthUnit unit = LengthUnit::unknown;  // of lengths and positions: the unit of the volume
   std::string misplacement;
 };
 
@@ -119,13 +119,13 @@ MeasuredDistance measure_distance(const CheckArguments& arguments, TriangleMesh 
   const VolumeFile file = read_volume_input(*arguments.volume, arguments.read);
   print_warnings(*arguments.volume, file.source);
   const Volume& volume = file.volume;
-  // Sample indices have no unit, whatever the file has to state.
+  // Sample indices have no unit, even if the file states one.
   if (report.options.space != Space::voxel)
     convert_unit(mesh, mesh_file_info(arguments.mesh).unit, volume.view.grid.unit);
   try {
     report.measured = measure(mesh, volume, report.options, control);
   } catch (const Error& error) {
-    // The library does not know what the volume is called; its messages should.
+    // The library does not know the name of the volume.
     throw error.with_prefix(volume_name(report.volume_path) + ": ");
   }
   std::string misplaced =
@@ -146,7 +146,7 @@ std::string one_side_text(const OneSidedDistance& d, double voxel) {
 
 std::string samples_text(const OneSidedDistance& d, std::size_t spread, const char* where) {
   return counted(d.samples, "sample") + ": " + count_text(spread) + " spread evenly, " +
-         ratio_text(d.samples_per_voxel_face) + " to a square voxel, and at " + where;
+         ratio_text(d.samples_per_voxel_face) + " per square voxel, and at " + where;
 }
 
 void print_distance(const DistanceReport& report, LengthUnit unit) {
@@ -165,7 +165,7 @@ void print_distance(const DistanceReport& report, LengthUnit unit) {
                        ", 1 vx = " + with_unit(m.voxel, unit) +
                        (unit == LengthUnit::unknown
                             ? ""
-                            : "; all lengths and places in " + std::string(symbol(unit))))
+                            : "; all lengths and positions in " + std::string(symbol(unit))))
             << row("  to surface", one_side_text(m.mesh_to_surface, m.voxel))
             << row("", samples_text(m.mesh_to_surface, spread,
                                     "vertices, edge midpoints and centroids of the mesh"))
@@ -192,29 +192,31 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
   const TriangleMesh mesh = read_mesh(arguments.mesh);
   const MeshTopology topology = mesh_topology(mesh);
   const MeshQuality quality = mesh_quality(mesh);
-  std::optional<SelfIntersectionReport> meetings;
-  if (arguments.self_intersections) meetings = find_self_intersections(arguments, mesh, control);
+  std::optional<SelfIntersectionReport> intersections;
+  if (arguments.self_intersections)
+    intersections = find_self_intersections(arguments, mesh, control);
   std::optional<MeasuredDistance> distance;
   if (arguments.volume) distance = measure_distance(arguments, mesh, control);
   progress.erase();
   if (arguments.json) {
     std::cout << to_json(arguments.mesh.string(), topology, quality,
-                         meetings ? &*meetings : nullptr, distance ? &distance->report : nullptr);
+                         intersections ? &*intersections : nullptr,
+                         distance ? &distance->report : nullptr);
   } else {
     std::cout << one_line(arguments.mesh.string()) << "\n";
     print_topology(topology);
     if (topology.triangles > 0) print_quality(quality, terminal_is_utf8());
-    if (meetings) print_self_intersections(*meetings);
+    if (intersections) print_self_intersections(*intersections);
     if (distance) print_distance(distance->report, distance->unit);
   }
   const bool is_misplaced = distance && !distance->misplacement.empty();
   if (is_misplaced)
     std::cerr << one_line("isoatlas: " + arguments.mesh.string() + ": " + distance->misplacement)
               << "\n";
-  const bool meets_itself = meetings && meetings->pairs > 0;
-  // No triangles break no rule, but nobody who asks for a check means that by a good mesh.
+  const bool is_self_intersecting = intersections && intersections->pairs > 0;
+  // A mesh without triangles violates no rule, but it fails the check.
   return topology.is_manifold() && topology.is_oriented() && topology.triangles > 0 &&
-                 !meets_itself && !is_misplaced
+                 !is_self_intersecting && !is_misplaced
              ? kSuccess
              : kCheckFailed;
 }

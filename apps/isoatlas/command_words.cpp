@@ -47,7 +47,7 @@ class Reader {
         equals == std::string::npos ? std::nullopt : std::optional(word.substr(equals + 1)));
   }
 
-  // Flags may share a dash; what follows an option that takes a value is the value.
+  // Flags may share a dash. The rest of the word after an option that takes a value is its value.
   void read_short(const std::string& word) {
     for (std::size_t i = 1; i < word.size(); ++i) {
       const CLI::Option* option = command_.get_option_no_throw(std::string("-") + word[i]);
@@ -73,7 +73,7 @@ class Reader {
   const CLI::App& command_;
   const std::vector<std::string>& words_;
   std::size_t next_ = 0;
-  std::optional<std::size_t> value_ended_at_;  // the word behind the last value
+  std::optional<std::size_t> value_ended_at_;  // index of the word after the last value
   CommandWords read_;
 };
 

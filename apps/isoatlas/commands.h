@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of the tool. Each returns an exit status; what goes wrong is thrown and becomes one
-// line in main().
+// The commands of the tool. Each returns an exit status. Errors are thrown; main() prints them as
+// one line.
 #pragma once
 
 #include "arguments.h"

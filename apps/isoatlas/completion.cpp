@@ -40,7 +40,7 @@ std::string joined(std::span<const std::string_view> words) {
   return out;
 }
 
-/// "-o", "--output": what is typed for an option.
+/// All names of an option, with dashes: "-o", "--output".
 std::vector<std::string> names_of(const CLI::Option& option) {
   std::vector<std::string> out;
   for (const std::string& name : option.get_snames()) out.push_back("-" + name);
@@ -50,7 +50,7 @@ std::vector<std::string> names_of(const CLI::Option& option) {
 
 bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
-/// Options, not arguments that are known by their place.
+/// The options of a command, without positional arguments.
 std::vector<const CLI::Option*> options_of(const CLI::App& command) {
   return command.get_options([](const CLI::Option* option) { return !option->get_positional(); });
 }
@@ -59,8 +59,8 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-/// The first sentence of a description, for a line beside the option, in single quotes of any
-/// shell.
+/// The first sentence of a description, without characters that are special inside single quotes of
+/// a shell.
 std::string summary(const std::string& description) {
   std::string out;
   for (const char c : description.substr(0, description.find_first_of(".;:"))) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scripts with which shells complete the words of an isoatlas command line.
+// Scripts for shell completion of isoatlas command lines.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,7 +9,7 @@
 
 namespace isoatlas::detail::tool {
 
-/// The words that an option takes, if it takes nothing else; empty for all other options.
+/// The words that an option takes, if it takes only these; empty for other options.
 std::span<const std::string_view> words_of(const CLI::Option& option);
 
 /// A script for `shell` ("bash", "zsh" or "fish") that completes the commands and options of `app`,

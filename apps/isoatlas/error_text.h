@@ -7,16 +7,16 @@
 
 namespace isoatlas::detail::tool {
 
-/// The error in one line, with the options of the command line that would help.
+/// The error as one line, with the command-line options that avoid it.
 inline std::string error_text(const Error& error) {
   switch (error.remedy()) {
     case Remedy::place_nan:
       return error.problem() +
-             ": say with --nan below or --nan above on which side of the isovalue NaN lies";
+             ": use --nan below or --nan above to choose the side of the isovalue on which NaN is";
     case Remedy::only_coarse:
       return error.problem() + "; use --coarse, or resample the volume to a box-shaped grid";
     case Remedy::allow_memory:
-      return error.problem() + "; --max-memory allows more";
+      return error.problem() + "; allow more with --max-memory";
     case Remedy::none:
       break;
   }

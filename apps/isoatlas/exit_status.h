@@ -7,18 +7,18 @@
 namespace isoatlas::detail::tool {
 
 inline constexpr int kSuccess = 0;
-/// `isoatlas check` and `levels`: not a consistently oriented manifold, one that meets itself, or
-/// far from its volume.
+/// `isoatlas check` and `levels`: a mesh is not a consistently oriented manifold, has
+/// self-intersections, or is nowhere near its volume.
 inline constexpr int kCheckFailed = 1;
-/// `isoatlas extract`: a constraint that was asked for is not met, triangles meet or components are
-/// misplaced; everything was written, with
-/// --strict nothing.
-inline constexpr int kUnmet = 1;
-inline constexpr int kBadInput = 2;     ///< an argument or a file; nothing was written
+/// `isoatlas extract`: a requested constraint is violated, a mesh has self-intersections, or a
+/// component is inverted or inside the wrong component. Everything was written; with --strict
+/// nothing.
+inline constexpr int kUnsatisfied = 1;
+inline constexpr int kBadInput = 2;     ///< invalid argument or file; nothing was written
 inline constexpr int kInternal = 3;     ///< a bug of isoatlas; nothing was written
 inline constexpr int kOutOfMemory = 4;  ///< nothing was written
-inline constexpr int kSignalBase =
-    128;  ///< interrupted: this plus the signal's number, as shells have it
+/// The status of an interrupted run is this plus the number of the signal, as in shells.
+inline constexpr int kSignalBase = 128;
 
 inline int exit_status(ErrorCode code) {
   switch (code) {
@@ -32,7 +32,7 @@ inline int exit_status(ErrorCode code) {
     case ErrorCode::out_of_memory:
       return kOutOfMemory;
     case ErrorCode::cancelled:
-      return kSignalBase + 2;  // SIGINT, unless the caller knows better
+      return kSignalBase + 2;  // SIGINT; Interruption::exit_status() has the actual signal
   }
   return kInternal;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas extract: read, mesh, write, say what happened.
+// isoatlas extract: reads a volume, meshes it, writes the results and prints a summary.
 #include "isoatlas/extract.h"
 
 #include <chrono>
@@ -37,7 +37,7 @@ class Stopwatch {
   Clock::time_point started_ = Clock::now();
 };
 
-/// Supersampling that is possible may still be more than somebody wanted.
+/// Warns if supersampling is possible but takes much memory.
 void warn_of_memory(std::uint64_t bytes, std::uint32_t factor) {
   constexpr std::uint64_t kMuch = std::uint64_t{4} << 30;
   if (bytes < kMuch) return;
@@ -45,7 +45,7 @@ void warn_of_memory(std::uint64_t bytes, std::uint32_t factor) {
             << bytes_text(static_cast<double>(bytes)) << " of memory\n";
 }
 
-/// The library does not know what the volume is called; its messages should.
+/// Runs the extraction. Errors of the library get the name of the volume as prefix.
 Extraction extract_from(const fs::path& path, const VolumeView& volume,
                         const ExtractOptions& options, const RunControl& control) {
   try {
@@ -57,7 +57,7 @@ Extraction extract_from(const fs::path& path, const VolumeView& volume,
   }
 }
 
-/// Lengths need the volume's unit, which is known only now.
+/// The options with lengths converted to the unit of the volume.
 ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& grid) {
   try {
     return in_world(arguments, grid);
@@ -66,9 +66,9 @@ ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& g
   }
 }
 
-/// What was sent to standard output stays there.
+/// Data that was already sent to standard output cannot be withdrawn.
 int interrupted_while_sending(const Interruption& interruption) {
-  std::cerr << "isoatlas: interrupted; standard output has got a part, no file was written"
+  std::cerr << "isoatlas: interrupted; standard output is incomplete, no file was written"
             << std::endl;
   return interruption.exit_status();
 }
@@ -107,7 +107,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
 
   Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
   ExtractReport& report = extraction.report;
-  std::optional<MeshQuality> marching_cubes;  // for the page to compare with
+  std::optional<MeshQuality> marching_cubes;  // shown on the page for comparison
   if (arguments.page) {
     progress.show("compare", std::nullopt);
     std::vector<Vec3> kept;
@@ -116,7 +116,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
         marching_cubes_quality(volume, options.surface.isovalue,
                                to_index(std::move(kept), volume.view.grid, options.space));
   }
-  volume = {};  // writing needs memory too
+  volume = {};  // frees memory for writing
 
   progress.show("write", std::nullopt);
   control.check_cancelled();
@@ -130,9 +130,9 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.peak_memory_bytes = peak_memory_bytes();
   if (arguments.strict) {
     progress.clear_line();
-    if (!print_unmet(report, context)) {
-      std::cerr << "isoatlas: nothing was written, as --strict asks for\n";
-      return kUnmet;
+    if (!print_violations(report, context)) {
+      std::cerr << "isoatlas: nothing was written, because of --strict\n";
+      return kUnsatisfied;
     }
   }
   const std::string json = arguments.report || arguments.page ? to_json(report, context) : "";
@@ -156,7 +156,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   }
   if (arguments.verbose) print_details(out, report, context);
   print_rounding(context);
-  return print_unmet(report, context) ? kSuccess : kUnmet;
+  return print_violations(report, context) ? kSuccess : kUnsatisfied;
 }
 
 }  // namespace isoatlas::detail::tool

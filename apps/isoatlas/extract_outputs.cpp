@@ -21,17 +21,17 @@ constexpr const char* kDefaultFormat = "ply";
 
 void require_possible_stream(const ExtractArguments& arguments) {
   if (arguments.glb_per_level)
-    refuse("-o -: --glb-per-level makes several files, expected a name for them");
+    refuse("-o -: --glb-per-level writes several files, expected -o NAME.glb");
   if (isatty(STDOUT_FILENO) != 0)
-    refuse("-o -: standard output is a terminal, expected a pipe or a file to put the mesh into");
+    refuse("-o -: standard output is a terminal, expected a pipe or a redirection to a file");
 }
 
 /// The temporary file of a mesh that goes to standard output.
 std::optional<StandardOutputFile> stream_of(const ExtractArguments& arguments) {
   const bool is_stream = is_standard_stream(arguments.mesh);
   if (!arguments.format.empty() && !is_stream)
-    refuse("--format goes with -o -, found -o " + arguments.mesh.string() +
-           ": the extension of a name is the format");
+    refuse("--format needs -o -, found -o " + arguments.mesh.string() +
+           ": its extension is the format");
   if (!is_stream) return std::nullopt;
   require_possible_stream(arguments);
   return std::optional<StandardOutputFile>(
@@ -65,11 +65,11 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
     }
     if (!streamed.empty())
       refuse("the " + streamed + " and the " + other.what +
-             " would both go to standard output, expected a name for one");
+             " would both go to standard output, expected a file name for one of them");
     streamed = other.what;
     stream_text_name_ = other.path;
   }
-  // A volume from standard input has no name that an output could have.
+  // A volume from standard input has no file that an output could replace.
   meshes_.check(level_count,
                 is_standard_stream(arguments.volume.path) ? fs::path() : arguments.volume.path,
                 named);
@@ -114,8 +114,8 @@ void ExtractOutputs::write_text(const fs::path& name, const std::string& text) {
 
 bool ExtractOutputs::commit(Interruption& interruption) {
   if (uses_standard_output()) {
-    interruption.settle();  // what was sent cannot be called back: from here on this thread looks
-                            // for interruptions itself
+    // Data that was sent cannot be withdrawn. From here on, this thread checks for interruptions.
+    interruption.finish();
     const bool sent = stream_file_
                           ? stream_file_->send(interruption.requested())
                           : send_to_standard_output(stream_text_, interruption.requested());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the results of `isoatlas extract` go.
+// The output files and streams of `isoatlas extract`.
 #pragma once
 
 #include <filesystem>
@@ -16,32 +16,32 @@
 namespace isoatlas::detail::tool {
 
 /// Meshes, report and page: files that appear together or not at all. One of the three may be named
-/// "-": it goes to standard output when all else is ready to appear.
+/// "-": it is sent to standard output when all files are complete.
 class ExtractOutputs {
  public:
-  /// Everything that can be wrong with the names is found here. @throws Error as
-  /// MeshOutputs::check()
+  /// Checks all output names. @throws Error as MeshOutputs::check()
   ExtractOutputs(const ExtractArguments& arguments, std::size_t level_count);
 
-  /// Then what is said to people goes to standard error.
+  /// True if a result goes to standard output. The summary then goes to standard error.
   bool uses_standard_output() const { return stream_file_ || stream_text_name_; }
 
-  /// How much the files will round, under the names they will have.
+  /// How much each file will round the coordinates; files have their final names.
   std::vector<FileRounding> roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const;
 
-  /// Writes the meshes to where they are staged, and says under which names they will be there.
+  /// Writes the meshes to the staging folder. Returns the files with their final names.
   /// @param intersection_control  as MeshOutputs::write()
   std::vector<ReportFile> write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
                                        const RunControl* intersection_control);
 
-  /// The same with a report or a page, whose name is one of the arguments.
+  /// Writes a report or a page to the staging folder. `name` is that of the arguments.
   void write_text(const std::filesystem::path& name, const std::string& text);
 
-  /// @return false if the run was interrupted while standard output was being sent: nothing else
-  /// was written then
+  /// Sends standard output, then puts all files in place.
+  /// @return false if the run was interrupted while standard output was sent; no file is then
+  /// written
   bool commit(Interruption& interruption);
 
-  /// Removes all that is unfinished; may be called from another thread.
+  /// Removes all staged files. May be called from another thread.
   void discard() noexcept;
 
   /// "NAME-0.ply and 2 more files, report NAME.json"

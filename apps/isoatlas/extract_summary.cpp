@@ -25,7 +25,7 @@ std::string repair_text(const CertificateReport& certificate) {
          counted(certificate.repair_rounds, "round");
 }
 
-/// The first few of them.
+/// The first few places.
 std::string places_text(const std::vector<Vec3>& places) {
   constexpr std::size_t kMostShown = 3;
   std::string text;
@@ -34,14 +34,14 @@ std::string places_text(const std::vector<Vec3>& places) {
   return text;
 }
 
-/// " (0.25 of it by rounding to float32)", of a length that rounding may have increased
+/// " (0.25 of it by rounding to float32)" after a length that rounding increased noticeably.
 std::string rounding_text(const LevelReport& level, double reached, LengthUnit unit) {
   constexpr double kNoticeableShare = 0.01;
   if (level.rounding <= kNoticeableShare * reached) return "";
   return " (" + with_unit(level.rounding, unit) + " of it by rounding to float32)";
 }
 
-/// Samples may see what the metric does not: a bound that is met can be exceeded there.
+/// The measured distance of a level. It may exceed a bound that the metric satisfies.
 std::string measured_text(const LevelReport& level, LengthUnit unit) {
   const double maximum =
       level.measured->maximum() + level.rounding;  // measured before it was rounded
@@ -49,24 +49,24 @@ std::string measured_text(const LevelReport& level, LengthUnit unit) {
                      with_unit(level.measured->p99() + level.rounding, unit) + ")";
   for (const ConstraintResult& result : level.constraints)
     if (result.constraint.quantity == Quantity::max_distance && maximum > result.constraint.bound)
-      text += ", MORE than the bound " + with_unit(result.constraint.bound, unit);
+      text += ", above the bound " + with_unit(result.constraint.bound, unit);
   return text;
 }
 
-/// The factor of supersampling at which cells at their limit could keep their bounds: distances
-/// shrink about as samples get closer.
+/// The supersampling factor at which the Voronoi cells at the limit could satisfy their bounds.
+/// Assumes that distances are proportional to the sample spacing.
 std::uint32_t helpful_supersampling(const LevelReport& level, std::uint32_t factor) {
   constexpr double kMost = 8;
   return factor * static_cast<std::uint32_t>(
                       std::clamp(std::ceil(level.at_limit.front().excess), 2.0, kMost));
 }
 
-/// What a level has of everything, on one line.
-/// @param supersample  the factor that it was made with
+/// Size, metrics, constraints and shape of a level, on one line.
+/// @param supersample  the supersampling factor of the run
 std::string level_text(const LevelReport& level, std::uint32_t supersample, LengthUnit unit) {
   std::string text =
       counted(level.vertices, "vertex") + ", " + counted(level.triangles, "triangle");
-  std::string unmet;
+  std::string violated;
   for (const ConstraintResult& result : level.constraints) {
     const std::string quantity(name(result.constraint.quantity));
     if (is_metric(result.constraint.quantity))
@@ -81,7 +81,7 @@ std::string level_text(const LevelReport& level, std::uint32_t supersample, Leng
     if (result.satisfied) {
       text += bound;
     } else {
-      unmet += (unmet.empty() ? "" : ", ") + quantity + bound;
+      violated += (violated.empty() ? "" : ", ") + quantity + bound;
     }
   }
   if (level.measured) text += ", " + measured_text(level, unit);
@@ -90,14 +90,14 @@ std::string level_text(const LevelReport& level, std::uint32_t supersample, Leng
   if (level.self_intersections)
     text += ", " + (*level.self_intersections == 0 ? "no" : count_text(*level.self_intersections)) +
             " self-intersections";
-  if (!unmet.empty()) text += "; not met: " + unmet;
+  if (!violated.empty()) text += "; violated: " + violated;
   if (!level.at_limit.empty())
     text += "; --supersample " + std::to_string(helpful_supersampling(level, supersample)) +
             " would help at " + counted(level.at_limit.size(), "place");
   return text;
 }
 
-/// What is proved of the distances, or else their sampling density. Empty if no distance was
+/// The proved bound of the distances, or else their sampling density. Empty if no distance was
 /// computed.
 std::string distance_sampling(const ExtractReport& report) {
   const LevelReport& level = report.levels.back();
@@ -108,79 +108,81 @@ std::string distance_sampling(const ExtractReport& report) {
   if (!level.measured)
     return "sampled at " + count_text(report.c_vertices + report.faces) +
            " points of the isosurface, about 2 per voxel face, and on every triangle; --measure "
-           "adds 200,000 samples each way";
+           "adds 200,000 samples in each direction";
   return sampling_text(*level.measured);
 }
 
-/// Of all levels. Which component lies in which is compared only where triangles may not intersect.
-std::string counted_again_text(const ExtractReport& report) {
+/// The result of recounting all levels. Nesting is compared only if self-intersections are not
+/// allowed.
+std::string recount_text(const ExtractReport& report) {
   const auto same = [&](const LevelReport& level) { return level.topology == report.reference; };
-  const auto placed = [](const LevelReport& level) { return level.inverted_components == 0; };
+  const auto is_placed = [](const LevelReport& level) { return level.inverted_components == 0; };
   const std::string what =
       report.levels.back().self_intersections ? "orientation and nesting" : "orientation";
   return std::string(std::ranges::all_of(report.levels, same) ? "same topology"
-                                                              : "OTHER TOPOLOGY") +
-         ", " + (std::ranges::all_of(report.levels, placed) ? what : "but NOT the same " + what);
+                                                              : "DIFFERENT TOPOLOGY") +
+         ", " + (std::ranges::all_of(report.levels, is_placed) ? what : "but NOT the same " + what);
 }
 
-/// The finest level's certificate stands for all; a level that failed would not be here.
+/// The certificate of the finest level. It represents all levels: a run with a level that fails
+/// ends with an error.
 std::string certificate_of_all(const ExtractReport& report) {
   const auto passed = [](const LevelReport& level) { return level.certificate.passed; };
   const std::size_t count = report.levels.size();
   const std::string where = count == 1 ? "" : " on all " + std::to_string(count) + " levels";
   return (std::ranges::all_of(report.levels, passed) ? "passed" : "FAILED") + where + ": " +
          certificate_text(report.levels.back().certificate) + (count == 1 ? "" : " on the finest") +
-         "; counted again: " + counted_again_text(report);
+         "; counted again: " + recount_text(report);
 }
 
-/// A ratio is infinite where a cell's triangles face away from its part of the surface; then the
-/// mean is too.
+/// A ratio is infinite if the triangles of a Voronoi cell face away from its surface; the mean is
+/// then infinite as well.
 std::string metric_text(Quantity metric, const MetricSummary& summary, LengthUnit unit) {
   if (std::isinf(summary.maximum))
-    return "unbounded: somewhere triangles face away from the surface";
+    return "unbounded: in some places triangles face away from the surface";
   return "at most " + bound_text(metric, summary.maximum, unit) + ", on average " +
          bound_text(metric, summary.mean, unit);
 }
 
 void print_level_details(std::ostream& out, const LevelReport& level, std::size_t number,
                          LengthUnit unit) {
-  const auto say = [&](const std::string& label, const std::string& value) {
+  const auto print_row = [&](const std::string& label, const std::string& value) {
     out << row("  " + label, value);
   };
   out << row(level_name(number), repair_text(level.certificate) + " by repair, " +
                                      counted(level.refine_rounds, "round") + " of refinement, " +
                                      seconds_text(level.seconds));
-  say("shape", "aspect ratio 1st percentile " + ratio_text(level.quality.aspect_p01) + ", median " +
-                   ratio_text(level.quality.aspect_median) + ", angles " +
-                   number_text(level.quality.angle_min) + " to " +
-                   number_text(level.quality.angle_max) + " degrees (" +
-                   counted(level.quality.angles_above_150, "triangle") +
-                   " above 150), between triangles " + number_text(level.quality.dihedral_min) +
-                   " to " + number_text(level.quality.dihedral_max) + " degrees");
+  print_row("shape", "aspect ratio 1st percentile " + ratio_text(level.quality.aspect_p01) +
+                         ", median " + ratio_text(level.quality.aspect_median) + ", angles " +
+                         number_text(level.quality.angle_min) + " to " +
+                         number_text(level.quality.angle_max) + " degrees (" +
+                         counted(level.quality.angles_above_150, "triangle") +
+                         " above 150), between triangles " +
+                         number_text(level.quality.dihedral_min) + " to " +
+                         number_text(level.quality.dihedral_max) + " degrees");
   for (std::size_t i = 0; level.metrics && i < kMetricCount; ++i) {
     const auto metric = static_cast<Quantity>(i);
-    say(std::string(name(metric)), metric_text(metric, (*level.metrics)[i], unit));
+    print_row(std::string(name(metric)), metric_text(metric, (*level.metrics)[i], unit));
   }
   for (const ConstraintResult& result : level.constraints)
-    say(result.satisfied               ? "satisfied"
-        : result.constraint.is_default ? "not met"
-                                       : "NOT MET",
-        std::string(name(result.constraint.quantity)) + " " +
-            bound_text(result.constraint.quantity, result.constraint.bound, unit) +
-            (result.constraint.is_default ? " (default)" : "") + ": reached " +
-            bound_text(result.constraint.quantity, result.reached, unit));
+    print_row(result.satisfied ? "satisfied" : "violated",
+              std::string(name(result.constraint.quantity)) + " " +
+                  bound_text(result.constraint.quantity, result.constraint.bound, unit) +
+                  (result.constraint.is_default ? " (default)" : "") + ": reached " +
+                  bound_text(result.constraint.quantity, result.reached, unit));
   if (!level.measured) return;
   const auto distances = [unit](const OneSidedDistance& d) {
     return "at most " + with_unit(d.maximum, unit) + ", 99 % within " + with_unit(d.p99, unit) +
            ", on average " + with_unit(d.mean, unit);
   };
-  say("to surface", distances(level.measured->mesh_to_surface));
-  say("from surface", distances(level.measured->surface_to_mesh));
-  say("normals", "differ by " + number_text(level.measured->normal_mean) +
-                     " degrees on average, at most " + number_text(level.measured->normal_maximum));
+  print_row("to surface", distances(level.measured->mesh_to_surface));
+  print_row("from surface", distances(level.measured->surface_to_mesh));
+  print_row("normals", "differ by " + number_text(level.measured->normal_mean) +
+                           " degrees on average, at most " +
+                           number_text(level.measured->normal_maximum));
 }
 
-// "3 components, the largest of 12.5 cubic mm at ..., cut open by the volume's border"
+/// "3 components, the largest of 12.5 cubic mm at ..., cut by the volume boundary"
 std::string ranked_text(const std::vector<RankedComponent>& components, LengthUnit unit) {
   const RankedComponent& largest = components.front();
   const std::size_t parts = components.back().part - largest.part + 1;
@@ -189,7 +191,7 @@ std::string ranked_text(const std::vector<RankedComponent>& components, LengthUn
          number_text(largest.size) + " cubic " +
          (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " +
          point_text(largest.position) +
-         (largest.topology.boundary_loops > 0 ? ", cut open by the volume's border" : "");
+         (largest.topology.boundary_loops > 0 ? ", cut by the volume boundary" : "");
 }
 
 }  // namespace
@@ -206,7 +208,7 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
       << row("surface", "isovalue " + number_text(context.options.surface.isovalue) + ": " +
                             topology_text(report.levels.back().topology));
   if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
-  if (!report.dropped.empty()) out << row("left out", ranked_text(report.dropped, unit));
+  if (!report.dropped.empty()) out << row("dropped", ranked_text(report.dropped, unit));
   for (std::size_t k = 0; k < report.levels.size(); ++k)
     out << row(level_name(k), level_text(report.levels[k], context.options.supersample, unit));
   if (const std::string sampling = distance_sampling(report); !sampling.empty())
@@ -243,23 +245,24 @@ void print_details(std::ostream& out, const ExtractReport& report, const ReportC
       << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
 }
 
-bool print_unmet(const ExtractReport& report, const ReportContext& context) {
+bool print_violations(const ExtractReport& report, const ReportContext& context) {
   const LengthUnit unit = context.volume.grid.unit;
-  bool is_embedded = true;
-  const auto say = [&](const std::string& text) {
-    is_embedded = false;
+  bool is_sound = true;
+  const auto print_violation = [&](const std::string& text) {
+    is_sound = false;
     std::cerr << one_line("isoatlas: " + text) << "\n";
   };
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     const LevelReport& level = report.levels[k];
     if (level.self_intersections.value_or(0) > 0)
-      say(level_name(k) + ": " + counted(*level.self_intersections, "self-intersection") +
+      print_violation(
+          level_name(k) + ": " + counted(*level.self_intersections, "self-intersection") +
           ", near " + places_text(level.self_intersection_positions) +
           ": the surface is too close to itself there; --supersample 2 may separate it");
     if (level.inverted_components > 0)
-      say(level_name(k) + ": " + counted(level.inverted_components, "component") +
-          " inverted, or inside another component than on the isosurface; a finer level or "
-          "--supersample 2 may mend it");
+      print_violation(level_name(k) + ": " + counted(level.inverted_components, "component") +
+                      " inverted or inside the wrong component; a finer level or --supersample 2 "
+                      "may correct it");
   }
   for (const ReportFile& file : context.files) {
     for (std::size_t i = 0; i < file.self_intersections.size(); ++i) {
@@ -268,10 +271,11 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context) {
       std::vector<Vec3> places;
       for (const SelfIntersectionReport::Place& place : found.first)
         places.push_back(place.position);
-      say((file.path == "-" ? "standard output" : file.path) + ": " + level_name(file.levels[i]) +
-          ": " + counted(found.pairs, "self-intersection") +
-          " caused by rounding to float32, near " + places_text(places) +
-          "; .ply, .obj and .vtp keep all digits");
+      print_violation((file.path == "-" ? "standard output" : file.path) + ": " +
+                      level_name(file.levels[i]) + ": " +
+                      counted(found.pairs, "self-intersection") +
+                      " caused by rounding to float32, near " + places_text(places) +
+                      "; .ply, .obj and .vtp keep all digits");
     }
   }
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
@@ -285,8 +289,8 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context) {
                 << "\n";
     }
   }
-  return is_embedded && std::all_of(report.levels.begin(), report.levels.end(),
-                                    [](const LevelReport& level) { return level.all_satisfied(); });
+  return is_sound && std::all_of(report.levels.begin(), report.levels.end(),
+                                 [](const LevelReport& level) { return level.all_satisfied(); });
 }
 
 void print_rounding(const ReportContext& context) {
@@ -299,10 +303,10 @@ void print_rounding(const ReportContext& context) {
     std::cerr << one_line("isoatlas: " + name +
                           ": its float32 coordinates move vertices by up to " +
                           with_unit(rounding, grid.unit) +
-                          ", which is in the error as stated; .ply, .obj and .vtp keep all digits" +
+                          "; the stated error includes this; .ply, .obj and .vtp keep all digits" +
                           (space == Space::voxel
                                ? ""
-                               : ", and --space voxel has coordinates near the origin"))
+                               : ", and --space voxel gives coordinates near the origin"))
               << "\n";
     return;
   }

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPictures = ".png .jpg .jpeg .bmp .gif";
 
-/// False for what has no bytes to look at: folders, pipes, empty files, files that may not be read.
+/// False for folders, pipes, empty files and files that cannot be read.
 bool has_contents(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 &&
@@ -31,7 +31,7 @@ bool has_contents(const fs::path& path) {
 bool is_volume(const fs::path& path) {
   try {
     io::format_of(path);
-    // A legacy VTK file may also hold a mesh, of which no reader here knows.
+    // A legacy VTK file may also hold a mesh, which isoatlas cannot read.
     return !has_extension(path, ".vtk") ||
            io::first_bytes(path, 1024).find("POLYDATA") == std::string::npos;
   } catch (const Error&) {
@@ -39,7 +39,7 @@ bool is_volume(const fs::path& path) {
   }
 }
 
-/// The header that stands beside a file of bare samples.
+/// The header next to a file of samples; empty if there is none.
 fs::path header_of(const fs::path& path) {
   for (const char* extension : {".nhdr", ".mhd", ".hdr"}) {
     const fs::path header = fs::path(path).replace_extension(extension);
@@ -49,7 +49,7 @@ fs::path header_of(const fs::path& path) {
   return {};
 }
 
-/// For a link to nothing, where it leads; else a file beside it whose name is nearly the same.
+/// The target of a broken link, or else a file in the same folder with a similar name.
 std::string advice_on_missing(const fs::path& path) {
   std::error_code no_link;
   if (const fs::path target = fs::read_symlink(path, no_link); !no_link)
@@ -67,21 +67,23 @@ std::string advice_on_missing(const fs::path& path) {
   return nearest.empty() ? "" : "did you mean " + (path.parent_path() / nearest).string() + "?";
 }
 
-std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_of_check) {
+/// Advice for a file that was given as a volume.
+std::string advice_on_volume(FileKind kind, const fs::path& path, bool is_of_check) {
   switch (kind) {
     case FileKind::mesh:
-      return is_of_check ? "the mesh stands first and the volume with --volume"
-                         : "isoatlas check looks at a mesh, isoatlas picture draws it";
+      return is_of_check
+                 ? "it is a mesh: expected a volume after --volume, and the mesh without an option"
+                 : "it is a mesh: isoatlas check analyses it, isoatlas picture draws it";
     case FileKind::levels:
-      return "isoatlas levels looks at levels of detail, isoatlas report shows them";
+      return "it holds levels of detail: isoatlas levels compares them, isoatlas report shows them";
     case FileKind::json:
-      return "isoatlas levels and isoatlas report read the reports of isoatlas extract";
+      return "isoatlas levels and isoatlas report read reports of isoatlas extract";
     case FileKind::page:
-      return "a browser shows pages";
+      return "it is a page: open it in a browser";
     case FileKind::unknown: {
       if (!has_contents(path)) return "";
       const fs::path header = header_of(path);
-      return header.empty() ? "--raw-size and --raw-type describe a file without header"
+      return header.empty() ? "for a headerless file, use --raw-size and --raw-type"
                             : "its header seems to be " + header.string();
     }
     default:
@@ -89,26 +91,26 @@ std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_
   }
 }
 
-std::string advice_on_mesh_place(std::string_view command, FileKind kind, const fs::path& path) {
+/// Advice for a file that was given as a mesh or a result.
+std::string advice_on_mesh(std::string_view command, FileKind kind, const fs::path& path) {
   const bool takes_levels = command != "check",
              takes_json = command == "levels" || command == "report";
   switch (kind) {
     case FileKind::volume:
-      return command == "check" ? "it is a volume: isoatlas extract meshes it, and a volume to "
-                                  "measure against stands with --volume"
+      return command == "check" ? "it is a volume: isoatlas extract meshes it; to measure the "
+                                  "distance of a mesh from it, use --volume"
                                 : "it is a volume: isoatlas extract meshes it";
     case FileKind::folder:
       return "isoatlas extract and isoatlas info read folders of slices";
     case FileKind::mesh:
-      return command == "levels" ? "isoatlas check looks at one mesh" : "";
+      return command == "levels" ? "it is a single mesh: isoatlas check analyses it" : "";
     case FileKind::levels:
       return takes_levels ? "" : "isoatlas levels reads it";
     case FileKind::json:
-      return takes_json
-                 ? ""
-                 : "isoatlas levels and isoatlas report read the reports of isoatlas extract";
+      return takes_json ? ""
+                        : "isoatlas levels and isoatlas report read reports of isoatlas extract";
     case FileKind::page:
-      return "a browser shows pages";
+      return "it is a page: open it in a browser";
     case FileKind::unknown:
       return takes_json && has_contents(path) ? "the name of a report ends in .json" : "";
     default:
@@ -143,18 +145,19 @@ std::string advice_for_file(std::string_view command, const fs::path& path) {
   const bool is_of_check = command == "check --volume";
   const FileKind kind = kind_of_file(path);
   if (command == "extract" || command == "info" || is_of_check)
-    return advice_on_volume_place(kind, path, is_of_check);
-  return advice_on_mesh_place(command, kind, path);
+    return advice_on_volume(kind, path, is_of_check);
+  return advice_on_mesh(command, kind, path);
 }
 
 void require_page_name(const fs::path& path) {
   if (path == "-")
-    throw Error(ErrorCode::bad_argument,
-                "isoatlas report writes a file and not to standard output, expected a name ending "
-                "in .html");
+    throw Error(
+        ErrorCode::bad_argument,
+        "isoatlas report does not write to standard output, expected a name ending in .html");
   if (kind_of_name(path) != FileKind::page)
-    throw Error(ErrorCode::bad_argument,
-                path.string() + ": is no name of a page, expected one that ends in .html or .htm");
+    throw Error(
+        ErrorCode::bad_argument,
+        path.string() + ": not the name of a page, expected a name ending in .html or .htm");
 }
 
 void require_report_name(const fs::path& path) {

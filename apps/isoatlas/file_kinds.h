@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sort of file somebody gave, for saying which command it is for.
+// The kind of an input file, and advice on the command that reads it.
 #pragma once
 
 #include <filesystem>
@@ -11,30 +11,29 @@ namespace isoatlas::detail::tool {
 enum class FileKind {
   unknown,
   volume,
-  mesh,     ///< one
-  levels,   ///< .glb, .vtm
+  mesh,     ///< a single mesh
+  levels,   ///< levels of detail: .glb, .vtm
   json,     ///< a report, or the list of --glb-per-level
   page,     ///< .html
-  picture,  ///< .png and the like
+  picture,  ///< .png, .jpg and other images
   folder,
 };
 
-/// By the name alone.
+/// The kind according to the name alone.
 FileKind kind_of_name(const std::filesystem::path& path);
 
-/// By what is there: a folder, the mark of a volume format; else by the name.
+/// The kind according to the file: a folder, the signature of a volume format; else the name.
 FileKind kind_of_file(const std::filesystem::path& path);
 
-/// What to do with the file `path` where `command` ("extract"; for what stands with its --volume
-/// "check --volume") does not take it: names the right command or option, or a file with nearly
-/// this name where there is none. Empty if the command takes files of its kind, or the kind is not
-/// known.
+/// Advice for the file `path` that `command` cannot read: the right command or option, or, if there
+/// is no such file, a file with a similar name. `command` is the name of a command, or
+/// "check --volume" for the volume of `check`. Empty if the command reads files of this kind, or
+/// the kind is unknown.
 std::string advice_for_file(std::string_view command, const std::filesystem::path& path);
 
-/// Pages and reports are written under names that say what they are.
 /// @throws Error(bad_argument) unless the name ends in .html or .htm
 void require_page_name(const std::filesystem::path& path);
-/// @throws Error(bad_argument) if it does
+/// @throws Error(bad_argument) if the name ends in .html or .htm
 void require_report_name(const std::filesystem::path& path);
 
 /// "/scans/head.nii.gz" -> "head"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas info: what is in a volume, and where its surfaces may be.
+// isoatlas info: describes a volume and suggests isovalues.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +19,7 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-/// Numbers that are rounding errors beside `scale` become 0.
+/// The vector as text. Components that are rounding errors relative to `scale` become 0.
 std::string vector_text(Vec3 v, double scale) {
   const auto tidy = [scale](double x) { return std::abs(x) < 1e-9 * scale ? 0.0 : x; };
   return number_text(tidy(v.x)) + " " + number_text(tidy(v.y)) + " " + number_text(tidy(v.z));
@@ -27,8 +27,8 @@ std::string vector_text(Vec3 v, double scale) {
 
 double component(Vec3 v, std::size_t i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 
-/// Which way each axis points, most of all, in a world whose x, y and z grow towards left,
-/// posterior and superior.
+/// The main direction of each axis in a world whose x, y and z point to left, posterior and
+/// superior.
 struct Orientation {
   std::array<const char*, 3> towards{};
   double tilt_degrees = 0;  ///< largest angle between an axis and the world axis it is named after
@@ -37,8 +37,8 @@ struct Orientation {
 Orientation orientation(const Grid& grid) {
   static constexpr const char* kPositive[] = {"Left", "Posterior", "Superior"};
   static constexpr const char* kNegative[] = {"Right", "Anterior", "Inferior"};
-  // Each axis gets its own world axis, so that no letter comes twice however oblique the grid: the
-  // best of six ways.
+  // Each axis gets its own world axis, so that no letter occurs twice even on an oblique grid: the
+  // best of the six assignments.
   std::array<std::size_t, 3> order{0, 1, 2}, best_order = order;
   double best = -1;
   do {
@@ -72,7 +72,7 @@ std::string orientation_text(const Grid& grid) {
               : "");
 }
 
-/// " mm"; nothing where the volume states no unit.
+/// " mm"; empty if the volume states no unit.
 std::string unit_text(const Grid& grid) {
   return grid.unit == LengthUnit::unknown ? "" : " " + std::string(symbol(grid.unit));
 }
@@ -154,7 +154,7 @@ void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions,
 
 namespace {
 
-/// @param volume  null where a choice has to be made first
+/// @param volume  null if the user has to choose a volume first
 InfoReport info_report(const std::string& path, const VolumeSource& source, const Volume* volume,
                        const SampleHistogram* histogram,
                        const std::optional<SampleSummary>& summary) {
@@ -184,7 +184,7 @@ void print_samples(const SampleSummary& summary) {
   std::cout << row("not finite", not_finite);
 }
 
-/// Of a file that holds several volumes: which there are.
+/// Lists the volumes in a file that holds several.
 int list_choices(const InfoArguments& arguments, const ChoiceNeeded& needed) {
   if (arguments.json) {
     std::cout << to_json(info_report(arguments.volume.path.string(), needed.source(), nullptr,

@@ -1,4 +1,4 @@
-# The tool, and its manual pages and completions, which it prints itself.
+# Installs the tool with its manual pages and completion scripts, which the tool prints itself.
 set(printed ${CMAKE_CURRENT_BINARY_DIR}/printed)
 file(MAKE_DIRECTORY ${printed})
 set(files)
@@ -9,7 +9,8 @@ foreach(command IN ITEMS "" check completion extract info levels picture report)
     set(page ${printed}/isoatlas-${command}.1)
   endif()
   add_custom_command(OUTPUT ${page}
-    COMMAND ${CMAKE_COMMAND} -D TOOL=$<TARGET_FILE:isoatlas_tool> -D COMMAND=${command} -D VERSION=${PROJECT_VERSION} -D OUT=${page}
+    COMMAND ${CMAKE_COMMAND} -D TOOL=$<TARGET_FILE:isoatlas_tool> -D COMMAND=${command}
+      -D VERSION=${PROJECT_VERSION} -D OUT=${page}
       -P ${PROJECT_SOURCE_DIR}/cmake/man_page.cmake
     DEPENDS isoatlas_tool ${PROJECT_SOURCE_DIR}/cmake/man_page.cmake VERBATIM)
   list(APPEND pages ${page})

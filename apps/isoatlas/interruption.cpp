@@ -14,9 +14,9 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-// The promise is one second; the rest of it is for the cleanups.
+// The tool ends within one second; the remaining 0.3 s are for the cleanups.
 constexpr std::chrono::milliseconds kGrace{700};
-constexpr int kWakeUp = SIGUSR1;  // how the destructor gets the watcher out of sigwait
+constexpr int kWakeUp = SIGUSR1;  // the destructor sends it to end the wait for signals
 
 bool is_ignored(int signal) {
   struct sigaction current {};
@@ -31,14 +31,14 @@ Interruption::Interruption() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     if (!is_ignored(signal)) sigaddset(&signals_, signal);
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-  watcher_ = std::thread([this] { watch(); });
+  waiter_ = std::thread([this] { wait_for_signal(); });
 }
 
 Interruption::~Interruption() {
-  settle();
+  finish();
   stopping_ = true;
-  pthread_kill(watcher_.native_handle(), kWakeUp);
-  watcher_.join();
+  pthread_kill(waiter_.native_handle(), kWakeUp);
+  waiter_.join();
 }
 
 int Interruption::exit_status() const { return kSignalBase + signal_; }
@@ -47,17 +47,17 @@ void Interruption::commit(const std::function<void()>& last_step) {
   const std::lock_guard lock(mutex_);
   if (requested_) throw Error(ErrorCode::cancelled, kInterruptedMessage);
   last_step();
-  settled_ = true;
-  settled_changed_.notify_all();
+  finished_ = true;
+  finished_changed_.notify_all();
 }
 
-void Interruption::settle() {
+void Interruption::finish() {
   const std::lock_guard lock(mutex_);
-  settled_ = true;
-  settled_changed_.notify_all();
+  finished_ = true;
+  finished_changed_.notify_all();
 }
 
-void Interruption::watch() {
+void Interruption::wait_for_signal() {
   int signal = 0;
   do {
     if (sigwait(&signals_, &signal) != 0 || stopping_) return;
@@ -66,9 +66,8 @@ void Interruption::watch() {
   requested_ = true;
 
   std::unique_lock lock(mutex_);
-  if (settled_changed_.wait_for(lock, kGrace, [this] { return settled_; })) return;
-  // From here to the end the lock is held: the main thread can neither commit nor say anything
-  // else.
+  if (finished_changed_.wait_for(lock, kGrace, [this] { return finished_; })) return;
+  // The lock is kept until the process ends: the main thread can neither commit nor print.
   for (const auto* run : cleanups_) (*run)();
   std::fprintf(stderr, "isoatlas: %s\n", kInterruptedMessage);
   _exit(exit_status());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C, and what else asks the tool to stop: within a second, leaving no partial file.
+// Ctrl-C and other signals to stop: the tool ends within a second and leaves no partial file.
 #pragma once
 
 #include <atomic>
@@ -12,16 +12,17 @@
 
 namespace isoatlas::detail::tool {
 
-/// Waits for SIGINT, SIGTERM and SIGHUP on a thread of its own.
+/// Waits for SIGINT, SIGTERM and SIGHUP on a separate thread.
 ///
-/// The signals are blocked everywhere else, so no code runs inside a signal handler and every line
-/// here may lock and allocate. When one arrives, requested() becomes true and the computation has
-/// kGrace to come back by itself. What does not look at the flag (a file being read by ITK, a mesh
-/// being written) is cut short after that: the cleanups run, then the process exits. Between
-/// commit() and that end there is a lock, so outputs appear as a whole or not at all.
+/// The signals are blocked on all other threads. No code runs inside a signal handler, so all code
+/// may lock and allocate. When a signal arrives, requested() becomes true and the computation has
+/// kGrace to return. Code that does not check the flag (a library that reads a file, a mesh being
+/// written) is cut off after that: the cleanups run, then the process exits. commit() and this exit
+/// exclude each other by a lock, so outputs appear complete or not at all.
 ///
-/// Make one, first thing in main(): threads made earlier would not have the signals blocked.
-/// Signals that the caller of the tool ignores (nohup, shells' background jobs) stay ignored.
+/// Construct one at the start of main(): threads that exist earlier do not have the signals
+/// blocked. Signals that are ignored when the tool starts (nohup, background jobs of some shells)
+/// stay ignored.
 class Interruption {
  public:
   Interruption();
@@ -32,16 +33,16 @@ class Interruption {
   const std::atomic<bool>& requested() const { return requested_; }
   int exit_status() const;  ///< 128 + signal
 
-  /// Runs `last_step`, after which an interruption comes too late; throws Error(cancelled) if one
-  /// came first.
+  /// Runs `last_step`; later interruptions have no effect. Throws Error(cancelled) if an
+  /// interruption came before.
   void commit(const std::function<void()>& last_step);
 
-  /// Nothing is left to interrupt: the command has returned or thrown. Does not return if the end
-  /// has already begun.
-  void settle();
+  /// To be called when the command has returned or thrown: nothing is left to interrupt. Does not
+  /// return if the forced exit has already begun.
+  void finish();
 
-  /// While it lives, `run` is done before a forced end; it must be safe to call while other threads
-  /// go on.
+  /// During its lifetime, `run` is called before a forced exit. It must be safe to call while other
+  /// threads are running.
   class Cleanup {
    public:
     Cleanup(Interruption& interruption, std::function<void()> run);
@@ -55,19 +56,19 @@ class Interruption {
   };
 
  private:
-  void watch();
+  void wait_for_signal();
 
   sigset_t signals_{};
   std::atomic<bool> requested_{false}, stopping_{false};
   std::atomic<int> signal_{0};
-  std::mutex mutex_;  // guards what follows
-  std::condition_variable settled_changed_;
-  bool settled_ = false;
+  std::mutex mutex_;  // protects the members below
+  std::condition_variable finished_changed_;
+  bool finished_ = false;
   std::vector<const std::function<void()>*> cleanups_;
-  std::thread watcher_;
+  std::thread waiter_;
 };
 
-/// What an interrupted run says, after "isoatlas: ".
+/// The message of an interrupted run, after "isoatlas: ".
 inline constexpr const char* kInterruptedMessage = "interrupted; nothing was written";
 
 }  // namespace isoatlas::detail::tool

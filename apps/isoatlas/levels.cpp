@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas levels: how do the levels of detail in a file compare?
+// isoatlas levels: compares the levels of detail in a file.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -22,21 +22,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// All that is known of a file of levels.
+/// The levels of a file, and whether they are nested.
 struct Levels {
   std::vector<LevelFacts> facts;
   std::optional<bool> nested;
   std::string about_nesting;
 };
 
-/// Counted from the triangles; of what the file says of itself only the distances and the other
-/// metrics remain.
-LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>& said) {
+/// Topology and shape are recounted from the triangles; metrics and distances are those that the
+/// file states.
+LevelFacts recount(const TriangleMesh& mesh, const std::optional<LevelFacts>& stated) {
   LevelFacts facts;
-  if (said) {
-    facts.metrics = said->metrics;
-    facts.measured = said->measured;
-    facts.distance_at_most = said->distance_at_most;
+  if (stated) {
+    facts.metrics = stated->metrics;
+    facts.measured = stated->measured;
+    facts.distance_at_most = stated->distance_at_most;
   }
   const MeshTopology topology = mesh_topology(mesh);
   facts.vertices = topology.vertices;
@@ -48,8 +48,9 @@ LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>
   return facts;
 }
 
-/// The first vertex of the coarser level that the finer one has elsewhere, or not at all; none if
-/// its vertices are the finer one's first, bit by bit.
+/// The first vertex of the coarser level that is missing in the finer level, or has another
+/// position there. None if the vertices of the coarser level are the first of the finer level, bit
+/// by bit.
 std::optional<std::size_t> first_difference(const std::vector<Vec3>& coarse,
                                             const std::vector<Vec3>& fine) {
   for (std::size_t v = 0; v < coarse.size(); ++v)
@@ -66,14 +67,14 @@ Levels levels_of_meshes(const fs::path& path) {
   TriangleMesh coarser;
   for (std::size_t k = 0; k < file.hierarchy.levels.size(); ++k) {
     TriangleMesh mesh = file.hierarchy.mesh(k);
-    levels.facts.push_back(count_again(
-        mesh, file.info.levels.empty() ? std::nullopt
-                                       : facts_of_level(file.info.levels[k], path.string())));
+    levels.facts.push_back(recount(mesh, file.info.levels.empty()
+                                             ? std::nullopt
+                                             : facts_of_level(file.info.levels[k], path.string())));
     const auto difference = first_difference(coarser.positions, mesh.positions);
     if (difference && *levels.nested) {
       levels.nested = false;
       levels.about_nesting = "NO: vertex " + count_text(*difference) + " of level " +
-                             std::to_string(k - 1) + " is not at its place in level " +
+                             std::to_string(k - 1) + " has another position in level " +
                              std::to_string(k);
     }
     coarser = std::move(mesh);
@@ -81,7 +82,7 @@ Levels levels_of_meshes(const fs::path& path) {
   if (file.info.placement == Placement::balanced) {
     levels.nested = std::nullopt;
     levels.about_nesting =
-        "by index only: with balanced placement each level has its vertices at places of its own";
+        "by index only: with balanced placement vertices have other positions in each level";
   } else if (levels.facts.size() == 1) {
     levels.about_nesting = "yes: there is one level";
   }
@@ -98,7 +99,7 @@ Levels read_levels(const fs::path& path) {
           "not known: the file has no vertices"};
 }
 
-/// A label, then a column for each level.
+/// Prints rows: a label, then a column for each level.
 class Table {
  public:
   explicit Table(const std::vector<LevelFacts>& levels) : levels_(levels) {}
@@ -119,12 +120,12 @@ class Table {
   const std::vector<LevelFacts>& levels_;
 };
 
-/// A ratio is infinite where a cell's triangles face away from its part of the surface.
+/// A ratio is infinite if the triangles of a Voronoi cell face away from its surface.
 std::string metric_text(double value) {
   return std::isinf(value) ? "unbounded" : number_text(value);
 }
 
-/// What is proved of the distances, or else how densely they were sampled. Empty if there are none.
+/// The proved bound of the distances, or else their sampling density. Empty if there are none.
 std::string distance_sampling(const LevelFacts& finest) {
   if (finest.distance_at_most)
     return proof_text(*finest.distance_at_most) +
@@ -191,10 +192,10 @@ int run_levels(const LevelsArguments& arguments) {
     std::cout << to_json(arguments.file.string(), levels.facts, levels.nested);
   else
     print_table(arguments.file.string(), levels);
-  const bool good =
+  const bool is_good =
       std::all_of(levels.facts.begin(), levels.facts.end(),
                   [](const LevelFacts& level) { return level.is_manifold.value_or(true); });
-  return good ? kSuccess : kCheckFailed;
+  return is_good ? kSuccess : kCheckFailed;
 }
 
 }  // namespace isoatlas::detail::tool

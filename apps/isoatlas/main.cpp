@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line tool: parse, run one command, turn what was thrown into one line and an exit
-// status.
+// The command line tool: parses the command line, runs one command, and reports an exception as one
+// line and an exit status.
 #include <algorithm>
 #include <CLI/CLI.hpp>
 #include <exception>
@@ -45,7 +45,7 @@ int interrupted(const Interruption& interruption) {
   return interruption.exit_status();
 }
 
-/// Names the page of the command that was typed.
+/// " (see isoatlas extract --help)": the help page of the command that was typed.
 std::string see_help(const CLI::App& app, const std::vector<std::string>& words) {
   const auto is_typed = [&](const CLI::App* command) {
     return !words.empty() && command->get_name() == words.front();
@@ -55,13 +55,13 @@ std::string see_help(const CLI::App& app, const std::vector<std::string>& words)
          "--help)";
 }
 
-/// A file that a command reads, and the command's name as advice_for_file() takes it.
+/// An input file, and the name of the command that reads it, as in advice_for_file().
 struct Input {
   std::string command;
   std::filesystem::path path;
 };
 
-/// Where a file is refused that is for another command: which.
+/// Advice on the input file that `error` is about: the command that reads files of its kind.
 std::string advice(const Error& error, const std::vector<Input>& inputs) {
   const std::string message = error.what();
   for (const Input& input : inputs) {
@@ -79,14 +79,14 @@ std::string advice_on_isovalue(const std::vector<Input>& inputs) {
 
 int run(const std::function<int()>& command, Interruption& interruption,
         const std::vector<Input>& inputs) {
-  // settle() first in every handler: from there on this thread alone speaks.
+  // Every handler calls finish() first: after it, only this thread prints.
   try {
     const int status = command();
-    interruption.settle();
+    interruption.finish();
     std::cout.flush();
     return std::cout ? status : fail(kBadInput, "cannot write to standard output");
   } catch (const Error& error) {
-    interruption.settle();
+    interruption.finish();
     switch (error.code()) {
       case ErrorCode::cancelled:
         return interrupted(interruption);
@@ -103,13 +103,13 @@ int run(const std::function<int()>& command, Interruption& interruption,
         return fail(exit_status(error.code()), error_text(error));
     }
   } catch (const std::bad_alloc&) {
-    interruption.settle();
+    interruption.finish();
     return fail(kOutOfMemory, "out of memory; nothing was written");
   } catch (const std::exception& error) {
-    interruption.settle();
+    interruption.finish();
     return fail_internal(std::string("unexpected: ") + error.what());
   } catch (...) {
-    interruption.settle();
+    interruption.finish();
     return fail_internal("unexpected exception");
   }
 }
@@ -143,10 +143,10 @@ int main(int argc, char** argv) {
   if (const std::string mistake = find_mistake(app, words); !mistake.empty())
     return fail(kBadInput, mistake + see_help(app, words));
   try {
-    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    std::reverse(words.begin(), words.end());  // the order that CLI11 expects
     app.parse(words);
-  } catch (const CLI::Success& wish) {  // --help, --version
-    const int status = app.exit(wish);
+  } catch (const CLI::Success& request) {  // --help, --version
+    const int status = app.exit(request);
     std::cout.flush();
     return std::cout ? status : fail(kBadInput, "cannot write to standard output");
   } catch (const CLI::ParseError& error) {

@@ -32,7 +32,7 @@ std::string filled(const std::string& text, std::size_t indent) {
   return result;
 }
 
-/// Lines as they stand, moved to the right.
+/// Preformatted lines, indented.
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string line, result;

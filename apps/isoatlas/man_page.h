@@ -11,17 +11,17 @@ namespace isoatlas::detail::tool {
 /// The commands of the tool with their descriptions, one per line.
 std::string command_list(const CLI::App& app, std::size_t indent);
 
-/// Makes --help of a command read like a manual page: what CLI11 knows of the options, between
-/// prose. The command's description is the NAME line.
+/// Formats --help of a command like a manual page: the options that CLI11 knows, with texts before
+/// and after them. The description of the command is the NAME line.
 class ManPage : public CLI::FormatterBase {
  public:
   struct Text {
-    std::string synopsis;             ///< as it stands
-    std::string common_options = {};  ///< as it stands: what most people need, on the first screen
-    std::string description;          ///< paragraphs with empty lines between them; filled
-    std::vector<std::string> groups;  ///< of options, in the order of the page
-    std::vector<std::pair<std::string, std::string>>
-        sections;  ///< after the options: title, lines as they stand
+    std::string synopsis;             ///< preformatted
+    std::string common_options = {};  ///< preformatted; fits on the first screen
+    std::string description;          ///< paragraphs separated by empty lines; will be filled
+    std::vector<std::string> groups;  ///< groups of options, in the order of the page
+    /// Sections after the options: title and preformatted lines.
+    std::vector<std::pair<std::string, std::string>> sections;
   };
 
   explicit ManPage(Text text) : text_(std::move(text)) {}

@@ -46,7 +46,7 @@ std::string box_text(const Bounds& box) {
          axis(box.low.z, box.high.z);
 }
 
-/// Of the vertices in triangles: others are no part of the surface.
+/// The bounds of the vertices that triangles use.
 Bounds mesh_bounds(const TriangleMesh& mesh) {
   std::vector<Vec3> used;
   used.reserve(3 * mesh.triangles.size());
@@ -72,7 +72,7 @@ std::string misplacement(const TriangleMesh& mesh, const Grid& grid, Space space
   }
   return "is nowhere near the volume: x, y, z of the mesh are " + box_text(of_mesh) +
          ", of the volume in " + name + " " + box_text(of_volume) + "; " +
-         (others.empty() ? "--space says in which coordinates a mesh is"
+         (others.empty() ? "use --space to state the coordinates of the mesh"
                          : "they overlap with " + others);
 }
 

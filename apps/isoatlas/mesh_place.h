@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is a mesh where the volume is that it is measured against?
+// Whether a mesh is where its volume is.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace isoatlas::detail::tool {
 
-/// Empty if the mesh, its coordinates taken to be in `space`, is in the volume's place: their boxes
-/// overlap and no distance is larger than the volume. Else one line with both boxes, naming the
-/// --space in which they overlap if there is one.
+/// Empty if the mesh, with coordinates in `space`, is where the volume is: their bounding boxes
+/// overlap and no distance is larger than the volume. Otherwise one line with both boxes and the
+/// --space in which they overlap, if there is one.
 std::string misplacement(const TriangleMesh& mesh, const Grid& grid, Space space,
                          const Measurement& measured);
 

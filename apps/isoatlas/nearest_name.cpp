@@ -8,7 +8,8 @@
 
 namespace isoatlas::detail::tool {
 
-// Optimal string alignment: the last three rows of the table of Levenshtein's distance, with swaps.
+// Optimal string alignment: Levenshtein distance with swaps, keeping the last three rows of the
+// table.
 std::size_t edit_distance(std::string_view from, std::string_view to) {
   std::vector<std::size_t> before_last(to.size() + 1), last(to.size() + 1), row(to.size() + 1);
   for (std::size_t j = 0; j <= to.size(); ++j) row[j] = j;

@@ -20,7 +20,7 @@ std::string without_dashes(const std::string& name) {
   return name.substr(std::min(name.find_first_not_of('-'), name.size()));
 }
 
-/// Long names, without dashes.
+/// The long names of the options of a command, without dashes.
 Names names_of_options(const CLI::App& command) {
   Names names;
   for (const CLI::Option* option : command.get_options())
@@ -33,7 +33,7 @@ bool has_option(const CLI::App& command, std::string_view name) {
   return option != nullptr && !option->get_positional();
 }
 
-/// "isoatlas extract and check": the other commands that have the option.
+/// The other commands that have the option: "isoatlas extract and check".
 std::string others_with(const CLI::App& app, const CLI::App& command, const std::string& name) {
   Names others;
   for (const CLI::App* other : app.get_subcommands([](const CLI::App*) { return true; }))
@@ -44,7 +44,8 @@ std::string others_with(const CLI::App& app, const CLI::App& command, const std:
   return list;
 }
 
-/// What other programs call so; empty if that is not known or the command has nothing like it.
+/// Advice if other programs use `name`; empty if the name is unknown or the command has no such
+/// option.
 std::string advice_of_other_programs(const CLI::App& command, const std::string& name) {
   for (const OtherOption& other : options_called(plain_word(name))) {
     if (!other.is_option()) return ": " + std::string(other.text);
@@ -54,7 +55,7 @@ std::string advice_of_other_programs(const CLI::App& command, const std::string&
   return "";
 }
 
-/// The letters at the start of "iso100" and "iso:100".
+/// The letters at the start of `name`: "iso" of "iso100" and "iso:100".
 std::string leading_name(const std::string& name) {
   const auto end = std::ranges::find_if(
       name, [](unsigned char c) { return std::isalpha(c) == 0 && c != '-' && c != '_'; });
@@ -82,7 +83,7 @@ std::string advice_on(const CLI::App& app, const CLI::App& command, const std::s
   return "";
 }
 
-/// A file whose name begins with a dash is taken for an option.
+/// Advice if the word is a file name that begins with a dash.
 std::string advice_on_file(const OptionWord& word) {
   std::error_code ignored;
   const bool is_file = std::filesystem::exists(word.typed, ignored);
@@ -124,10 +125,9 @@ std::string find_missing_value(const CLI::App&, const CLI::App&, const CommandWo
              (file.empty() ? next.name : next.typed + file);
     }
     if (word.value->empty())
-      return word.name + " has an empty value, " + expected +
-             ": is a variable of the shell not set?";
+      return word.name + " has an empty value, " + expected + ": is a shell variable not set?";
     if (!word.name.starts_with("--") && word.value->starts_with('='))
-      return word.name + *word.value + ": a name of one letter stands without '=', expected " +
+      return word.name + *word.value + ": an option of one letter takes no '=', expected " +
              with_value(word, word.value->substr(1));
   }
   return "";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mistakes in the options of a command. Each function returns one line, or nothing.
+// Mistakes in the options of a command. Each function returns one line about the first mistake, or
+// an empty string.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,14 +10,16 @@
 
 namespace isoatlas::detail::tool {
 
-/// With the option that was meant: another spelling, another program's name for it, or another
-/// command's option.
+/// Finds an option that the command does not have. Suggests the option that was probably meant:
+/// another spelling, the name in another program, or an option of another command.
 std::string find_unknown_option(const CLI::App& app, const CLI::App& command,
                                 const CommandWords& words);
 
+/// Finds an option without its value, or with an empty value.
 std::string find_missing_value(const CLI::App& app, const CLI::App& command,
                                const CommandWords& words);
 
+/// Finds an option that is given twice and takes a single value.
 std::string find_repeated_option(const CLI::App& app, const CLI::App& command,
                                  const CommandWords& words);
 

@@ -8,7 +8,7 @@ namespace {
 
 struct Synonyms {
   std::string_view name;
-  std::string_view words;  // between blanks
+  std::string_view words;  // separated by blanks
 };
 
 bool has_word(std::string_view words, std::string_view word) {
@@ -42,12 +42,12 @@ constexpr Synonyms kCommands[] = {
 constexpr Synonyms kOptions[] = {
     {"--iso",
      "threshold thresh isovalue iso-value isolevel iso-level level value contour isosurface"},
-    {"the file to read stands without an option, the isovalue goes with --iso", "i"},
+    {"the input file is given without an option, the isovalue with --iso", "i"},
     {"--output",
      "out output-file outfile out-file output-mesh outmesh save save-as export dest destination "
      "target to output-path"},
     {"--volume", "volume image reference ref vol compare-to"},
-    {"the file to read stands without an option",
+    {"the input file is given without an option",
      "input in input-file infile file volume image vol in-file f mesh"},
     {"--max-distance",
      "tolerance tol error max-error maxerror accuracy precision deviation hausdorff eps epsilon "
@@ -56,10 +56,10 @@ constexpr Synonyms kOptions[] = {
      "decimate decimation reduce reduction simplify target-reduction target-vertices num-vertices "
      "vertices n-vertices nvertices "
      "max-verts"},
-    {"--max-vertices N, about half as many as triangles",
+    {"--max-vertices N, about half the number of triangles",
      "target-faces faces max-faces triangles max-triangles num-triangles num-faces "
      "target-triangles n-faces nfaces polygons"},
-    {"meshes are not smoothed; smooth the volume before, or allow a larger --max-distance",
+    {"meshes are not smoothed; smooth the volume, or use a larger --max-distance",
      "smooth smoothing laplacian taubin smooth-iterations gaussian sigma"},
     {"--max-edge",
      "edge-length target-edge-length max-edge-length element-size mesh-size cell-size"},
@@ -80,7 +80,7 @@ constexpr Synonyms kOptions[] = {
     {"--array", "field scalars variable array-name"},
     {"--max-memory", "memory mem ram memory-limit"},
     {"--raw-offset", "offset header-size skip header raw-header"},
-    {"the extension of the output's name is its format",
+    {"the extension of the output file is its format",
      "format output-format file-format type ascii binary"},
     {"--keep-components 1",
      "largest largest-component keep-largest biggest only-largest largest-only connected"},
@@ -99,7 +99,7 @@ constexpr Synonyms kOptions[] = {
     {"--nan", "nans ignore-nan nan-value"},
     {"--self-intersections", "intersections self-intersection selfintersections intersect"},
     {"--interpolation", "cubic tricubic interp linear"},
-    {"files are replaced without asking", "force overwrite y yes clobber"},
+    {"existing files are always replaced", "force overwrite y yes clobber"},
     {"--view", "camera direction eye azimuth elevation rotate rotation from"},
     {"--style hidden-line", "wireframe edges wire lines"},
     {"--level", "lod"},

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The prose of the help pages; what they say of the options stands with the options, in
-// arguments.cpp.
+// The texts of the help pages. The texts of the options are in arguments.cpp.
 #pragma once
 
 #include "man_page.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas picture: what does it look like?
+// isoatlas picture: draws a mesh into an image file.
 #include "picture/picture.h"
 
 #include <iostream>

@@ -29,7 +29,7 @@ bool is_given(const CommandWords& words, const CLI::Option* option) {
                              [option](const OptionWord& word) { return word.option == option; });
 }
 
-/// The option if the command has it and it was not given.
+/// The option `name`, if the command has it and it was not given; otherwise null.
 const CLI::Option* free_option(const CLI::App& command, const CommandWords& words,
                                const std::string& name) {
   const CLI::Option* option = command.get_option_no_throw(name);
@@ -38,7 +38,7 @@ const CLI::Option* free_option(const CLI::App& command, const CommandWords& word
 
 bool is_number(const std::string& text) { return parse_whole<double>(text).has_value(); }
 
-/// "0.5 mm", "64 64 64" and the like: words that belong to the value before them.
+/// Finds words that belong to the value before them: "0.5 mm", "64 64 64".
 std::string value_in_pieces(const CommandWords& words) {
   constexpr std::array kUnits{"mm", "vx", "um", "nm", "cm", "m", "mm3", "deg"};
   for (std::size_t i = 0; i < words.positionals.size(); ++i) {
@@ -49,10 +49,10 @@ std::string value_in_pieces(const CommandWords& words) {
       return option.name + " " + *option.value + between + piece.text;
     };
     const std::string problem =
-        "'" + piece.text + "' stands apart from the value of " + option.name + ", expected ";
+        "'" + piece.text + "' is separated from the value of " + option.name + ", expected ";
     if (std::ranges::find(kUnits, piece.text) != kUnits.end()) return problem + whole("");
     if (option.name == "--refine" && piece.text.find(':') != std::string::npos)
-      return problem + whole(",") + " for one level, or --refine again for another";
+      return problem + whole(",") + " for one level, or --refine again for another level";
     if (option.option->get_type_name().find(',') == std::string::npos || !is_number(piece.text))
       continue;
     std::string value = whole(",");
@@ -64,7 +64,7 @@ std::string value_in_pieces(const CommandWords& words) {
   return "";
 }
 
-/// "my head.nrrd" without quotes, where there is such a file.
+/// Finds the name of an existing file with blanks that was typed without quotes.
 std::string name_in_pieces(const Positionals& words) {
   for (std::size_t first = 0; first + 1 < words.size(); ++first) {
     std::string name = words[first].text;
@@ -78,7 +78,7 @@ std::string name_in_pieces(const Positionals& words) {
   return "";
 }
 
-/// All slices of a folder were given, as the shell makes it of FOLDER/*.
+/// Advice if all slices of a folder were given, as the shell expands FOLDER/*.
 std::string advice_on_slices(const CLI::App& command, const Positionals& words) {
   if (command.get_name() != "extract" && command.get_name() != "info") return "";
   const std::filesystem::path folder = std::filesystem::path(words.front().text).parent_path();
@@ -92,29 +92,29 @@ std::string advice_on_slices(const CLI::App& command, const Positionals& words) 
          (folder.empty() ? "." : folder.string());
 }
 
-/// The option behind which a word without one was meant to stand.
+/// Finds the option that is missing before `word`.
 std::string missing_option(const CLI::App& command, const CommandWords& words,
                            const std::string& word) {
-  const auto goes_with = [&](const char* what, const std::string& option) {
-    return "'" + word + "' stands without an option: the " + what + " goes with " + option +
+  const auto needs = [&](const char* what, const std::string& option) {
+    return "'" + word + "' is given without an option: the " + what + " needs " + option +
            ", expected " + option + " " + word;
   };
   const FileKind kind = kind_of_name(word);
   const bool is_mesh = kind == FileKind::mesh || kind == FileKind::levels;
   const bool is_extract = command.get_name() == "extract";
   if (is_number(word) && free_option(command, words, "--iso") != nullptr)
-    return goes_with("isovalue", "--iso");
+    return needs("isovalue", "--iso");
   if (is_extract && is_mesh && free_option(command, words, "-o") != nullptr)
-    return goes_with("output", "-o");
+    return needs("output", "-o");
   if (is_extract && kind == FileKind::page && free_option(command, words, "--html") != nullptr)
-    return goes_with("page", "--html");
+    return needs("page", "--html");
   if (is_extract && kind == FileKind::json && free_option(command, words, "--report") != nullptr)
-    return goes_with("report", "--report");
+    return needs("report", "--report");
   const bool is_output = (command.get_name() == "picture" && kind == FileKind::picture) ||
                          (command.get_name() == "report" && kind == FileKind::page);
-  if (is_output && free_option(command, words, "-o") != nullptr) return goes_with("output", "-o");
+  if (is_output && free_option(command, words, "-o") != nullptr) return needs("output", "-o");
   if (kind == FileKind::volume && free_option(command, words, "--volume") != nullptr)
-    return goes_with("volume", "--volume");
+    return needs("volume", "--volume");
   return "";
 }
 
@@ -124,13 +124,13 @@ std::string synopsis_of(const CLI::App& command) {
   return synopsis.substr(0, synopsis.find('\n'));
 }
 
-/// What goes missing most, with an example after the name of the file that was given.
+/// The meaning of a missing option, with an example that uses the name of the given file.
 std::string explained(const std::string& command, const std::string& option,
                       const std::string& file) {
   const std::string name = file.empty() ? "head" : name_without_extensions(file);
   if (option == "iso")
-    return ": the isovalue, of which `isoatlas info " + (file.empty() ? "head.nrrd" : file) +
-           "` suggests some";
+    return ": the isovalue; `isoatlas info " + (file.empty() ? "head.nrrd" : file) +
+           "` suggests values";
   if (option != "output") return "";
   if (command == "extract") return ": the mesh to write, like -o " + name + ".ply";
   return command == "report" ? ": the page to write, like -o " + name + ".html"
@@ -158,13 +158,13 @@ std::string find_leftover_word(const CLI::App&, const CLI::App& command,
         is_option_like(word.text) && command.get_option_no_throw(word.text) != nullptr;
     if (is_option)
       return word.text +
-             " stands behind --, which ends the options; expected -- behind all of them, before a "
+             " is given after --, which ends the options; expected -- after all options, before a "
              "name like -a.nii";
   }
   if (std::string pieces = value_in_pieces(words); !pieces.empty()) return pieces;
   if (std::string pieces = name_in_pieces(found); !pieces.empty()) return pieces;
-  for (std::size_t i = 1; i <= found.size();
-       ++i)  // the first word last: it is the most likely to be where it should be
+  // The first word is checked last: it is the most likely to be in the right place.
+  for (std::size_t i = 1; i <= found.size(); ++i)
     if (std::string mistake = missing_option(command, words, found[i % found.size()].text);
         !mistake.empty())
       return mistake;
@@ -179,7 +179,7 @@ std::string find_missing_word(const CLI::App&, const CLI::App& command, const Co
   if (positional != nullptr && positional->get_required() && !has_positional)
     return positional->get_name(true) + " is missing, expected: " + synopsis_of(command);
   if (has_positional && words.positionals.front().text.empty())
-    return positional->get_name(true) + " is an empty word: is a variable of the shell not set?";
+    return positional->get_name(true) + " is empty: is a shell variable not set?";
   for (const CLI::Option* option : command.get_options()) {
     if (option == positional || !option->get_required() || is_given(words, option)) continue;
     const std::string name = option->get_single_name();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mistakes in the words that stand without an option, and what is missing. Each function returns
-// one line, or nothing.
+// Mistakes in the positional arguments, and missing arguments. Each function returns one line about
+// the first mistake, or an empty string.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,11 +10,11 @@
 
 namespace isoatlas::detail::tool {
 
-/// A word for which the command has no place, with the option that it belongs behind.
+/// Finds a word that the command cannot use. Suggests the option that is missing before it.
 std::string find_leftover_word(const CLI::App& app, const CLI::App& command,
                                const CommandWords& words);
 
-/// A word or an option that the command cannot do without.
+/// Finds a required argument or option that is missing.
 std::string find_missing_word(const CLI::App& app, const CLI::App& command,
                               const CommandWords& words);
 

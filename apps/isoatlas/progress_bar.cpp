@@ -16,7 +16,7 @@ namespace isoatlas::detail::tool {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawInterval{67};  // 15 times a second
-constexpr std::chrono::milliseconds kTick{500};           // at least so often
+constexpr std::chrono::milliseconds kTick{500};           // redrawn at least this often
 
 bool can_redraw_stderr() {
   const char* terminal = std::getenv("TERM");
@@ -86,7 +86,7 @@ void ProgressBar::erase() {
   erased_.notify_all();
 }
 
-// The time left is told once there is something to judge it by.
+// The remaining time is shown as soon as it can be estimated.
 std::string ProgressBar::line(Clock::time_point now) const {
   constexpr int kStageWidth = 10, kNumbersWidth = 40, kWidestBar = 40;
   constexpr double kLeastSeconds = 2, kLeastShare = 0.05;

@@ -11,8 +11,8 @@
 
 namespace isoatlas::detail::tool {
 
-/// One line on stderr that is redrawn now and then and gone at the end; silent unless stderr is a
-/// terminal.
+/// A line on standard error that shows the progress and is erased at the end. Silent unless
+/// standard error is a terminal.
 class ProgressBar {
  public:
   explicit ProgressBar(bool wanted);
@@ -20,11 +20,11 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `fraction` of the whole in [0, 1]; none: it is not known. Redrawn now and then without being
-  /// called, as time goes on.
+  /// Shows the stage and the `fraction` of the whole in [0, 1]; none: it is unknown. The line is
+  /// also redrawn between calls, to update the time.
   void show(std::string_view stage, std::optional<double> fraction);
-  void clear_line();  ///< makes room for a message
-  void erase();       ///< nothing is drawn after it
+  void clear_line();  ///< clears the line, so that a message can be printed
+  void erase();       ///< erases the line; nothing is drawn afterwards
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -39,7 +39,7 @@ class ProgressBar {
   std::string stage_;
   std::optional<double> fraction_;
   std::condition_variable_any erased_;
-  std::jthread clock_;  // the last one, as it uses the others
+  std::jthread clock_;  // the last member, because it uses the others
 };
 
 }  // namespace isoatlas::detail::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas report: one page that shows results.
+// isoatlas report: writes a page that shows results.
 #include <iostream>
 #include <string>
 #include <vector>

@@ -45,8 +45,7 @@ bool is_integer(SampleType type) {
   return type != SampleType::float32 && type != SampleType::float64;
 }
 
-/// Sums over the bins before a given one, so that any class's weight and mean come from two
-/// look-ups.
+/// Cumulative sums over the bins. Weight and mean of any class follow from two look-ups.
 struct Moments {
   std::vector<double> weight{0}, sum{0};
 
@@ -58,7 +57,8 @@ struct Moments {
     }
   }
 
-  /// What the class of bins [first, last) adds to the between-class variance, up to a constant.
+  /// The contribution of the class of bins [first, last) to the between-class variance, up to a
+  /// constant.
   double spread(std::size_t first, std::size_t last) const {
     const double w = weight[last] - weight[first], s = sum[last] - sum[first];
     return w > 0 ? s * s / w : 0;
@@ -96,7 +96,7 @@ std::vector<double> three_classes(const std::vector<std::size_t>& counts, const 
   return {centred(counts, lower), centred(counts, upper)};
 }
 
-/// The value at a position counted in bins, with no more digits than the bins resolve.
+/// The sample value at a position in bins, rounded to the digits that the bins resolve.
 double value_at(const SampleHistogram& histogram, double position) {
   const double value = histogram.lowest + position * histogram.width;
   if (histogram.of_integers) return std::ceil(value) - 0.5;
@@ -105,7 +105,7 @@ double value_at(const SampleHistogram& histogram, double position) {
 }
 
 bool looks_like_distances(const SampleSummary& summary) {
-  // Distance fields are clamped to a band, the same on both sides.
+  // Distance fields are often clamped to a band that is symmetric about 0.
   return summary.minimum < 0 && summary.maximum > 0 &&
          std::abs(summary.minimum + summary.maximum) <= 0.01 * (summary.maximum - summary.minimum);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the samples of a volume are distributed, and which isovalues that suggests.
+// The distribution of the samples of a volume, and isovalues that it suggests.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 namespace isoatlas::detail::tool {
 
 /// Bin i counts the finite samples in [lowest + i * width, lowest + (i + 1) * width); the last bin
-/// takes its upper end too. For integer types `width` is a whole number, so every bin holds as many
-/// different values as any other.
+/// includes its upper end. For integer types `width` is a whole number, so that all bins have the
+/// same number of different values.
 struct SampleHistogram {
   double lowest = 0, width = 1;
   bool of_integers = false;
@@ -23,7 +23,7 @@ struct SampleHistogram {
 SampleHistogram sample_histogram(const VolumeView& volume, const SampleSummary& summary,
                                  std::size_t most_bins = 4096);
 
-/// The same with neighbouring bins merged, for drawing.
+/// The histogram with neighbouring bins merged, for drawing.
 SampleHistogram coarsened(const SampleHistogram& histogram, std::size_t most_bins);
 
 struct SuggestedIsovalue {
@@ -31,10 +31,10 @@ struct SuggestedIsovalue {
   std::string reason;
 };
 
-/// Isovalues worth a try, increasing: thresholds that split the samples into two and into three
-/// classes (Otsu), and zero where the samples look like a signed distance field. For integer types
-/// all of them lie half-way between two integers: no sample equals them, so the surface passes
-/// through no sample.
+/// Suggested isovalues in increasing order: thresholds that split the samples into two and into
+/// three classes (Otsu), and zero if the samples look like a signed distance field. For integer
+/// types all isovalues are half-way between two integers, so that no sample equals them and the
+/// surface passes through no sample.
 std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram,
                                                  const SampleSummary& summary);
 

@@ -22,8 +22,8 @@ std::string formatted(const char* format, double value) {
 }  // namespace
 
 bool terminal_is_utf8() {
-  for (const char* variable :
-       {"LC_ALL", "LC_CTYPE", "LANG"}) {  // in the order in which the C library asks them
+  // In the order in which the C library reads them.
+  for (const char* variable : {"LC_ALL", "LC_CTYPE", "LANG"}) {
     const char* value = std::getenv(variable);
     if (value == nullptr || *value == '\0') continue;
     const std::string locale = lower_case(value);
@@ -196,7 +196,7 @@ std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int
   std::vector<std::string> lines(static_cast<std::size_t>(rows));
   for (const std::size_t count : counts) {
     int eighths = static_cast<int>(std::lround(height(count) * 8 * rows));
-    if (count > 0) eighths = std::max(eighths, 1);  // what is there shows, however little
+    if (count > 0) eighths = std::max(eighths, 1);  // a count above 0 is always visible
     for (int r = 0; r < rows; ++r) {
       const int filled = std::clamp(eighths - 8 * (rows - 1 - r), 0, 8);
       const char* ascii = filled >= 4 ? "#" : filled > 0 ? "." : " ";

@@ -48,8 +48,8 @@ bool exists(const std::string& path) {
   return fs::exists(path, ignored);
 }
 
-/// TypedLength in bytes of the hyphen, dash or minus sign of typography at the start of `word`, 0
-/// if there is none.
+/// Length in bytes of a typographic hyphen, dash or minus sign at the start of `word`; 0 if there
+/// is none.
 std::size_t typographic_dash(std::string_view word) {
   // U+2010 to U+2015, U+2212, U+FE58, U+FE63, U+FF0D
   for (const std::string_view dash : {"\u2010", "\u2011", "\u2012", "\u2013", "\u2014", "\u2015",
@@ -65,7 +65,7 @@ bool starts_with_typographic_quote(std::string_view word) {
                              [word](std::string_view quote) { return word.starts_with(quote); });
 }
 
-/// What text editors and web pages make of "--" and quotes.
+/// Finds typographic dashes and quotes, which text editors and web pages put in place of - and ".
 std::string find_typography(const Words& words) {
   for (const std::string& word : words) {
     if (exists(word)) continue;
@@ -76,11 +76,11 @@ std::string find_typography(const Words& words) {
         name.remove_prefix(std::max<std::size_t>(1, typographic_dash(name)));
       const bool is_long = name.substr(0, name.find('=')).size() > 1 && !name.starts_with('.') &&
                            name.find_first_of("0123456789") != 0;
-      return "'" + word + "' begins with a dash that is not the keyboard's, expected " +
-             (is_long ? "--" : "-") + std::string(name);
+      return "'" + word + "' begins with a typographic dash, expected " + (is_long ? "--" : "-") +
+             std::string(name);
     }
     if (starts_with_typographic_quote(word))
-      return "'" + word + "' has quotation marks that are not the keyboard's, expected ' or \"";
+      return "'" + word + "' has typographic quotation marks, expected ' or \"";
   }
   return "";
 }
@@ -92,14 +92,14 @@ bool has_option(const Words& words, std::initializer_list<std::string_view> name
   });
 }
 
-/// What stands behind -o.
+/// The value of -o; empty if there is none.
 fs::path output_of(const Words& words) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i)
     if (words[i] == "-o" || words[i] == "--output") return words[i + 1];
   return {};
 }
 
-/// The command that somebody meant who gave none; empty if nothing tells.
+/// The command that was probably meant if none was given; empty if it cannot be guessed.
 std::string guessed_command(const Words& words) {
   const bool extracts = has_option(words, {"--iso", "--refine", "--max-distance", "--coarse"});
   std::string file;
@@ -138,7 +138,7 @@ std::string forgotten_command(const CLI::App& app, const Words& words) {
                           : "; did you mean: " + command_text(with_command_first(command, words)));
 }
 
-/// An option stands first that the tool itself does not have.
+/// The message if the first word is an option that the tool itself does not have.
 std::string option_before_command(const CLI::App& app, const Words& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (command_named(app, words[i]) == nullptr) continue;
@@ -150,7 +150,7 @@ std::string option_before_command(const CLI::App& app, const Words& words) {
   if (words.size() == 1) {
     const bool wants_version = plain_word(words[0]) == "-v";
     return "there is no option " + words[0] +
-           (wants_version ? ", did you mean --version?" : " that stands without a command");
+           (wants_version ? ", did you mean --version?" : " without a command");
   }
   return forgotten_command(app, words);
 }
@@ -170,10 +170,10 @@ std::string wrong_command(const CLI::App& app, const Words& words) {
          " commands are " + listed(names, "and");
 }
 
-bool asks_for_help(const CommandWords& words) {
-  const bool says_help =
+bool requests_help(const CommandWords& words) {
+  const bool has_help_word =
       !words.positionals.empty() && words.positionals.front().text == "help" && !exists("help");
-  return says_help || std::ranges::any_of(words.options, [](const OptionWord& word) {
+  return has_help_word || std::ranges::any_of(words.options, [](const OptionWord& word) {
            return word.name == "-h" || word.name == "--help";
          });
 }
@@ -191,7 +191,7 @@ std::vector<std::string> in_standard_form(const CLI::App& app, Words words) {
     return {words.front(), "--help"};
   }
   const CLI::App* command = command_named(app, first);
-  if (command != nullptr && asks_for_help(read_words(*command, {words.begin() + 1, words.end()})))
+  if (command != nullptr && requests_help(read_words(*command, {words.begin() + 1, words.end()})))
     return {first, "--help"};
   return words;
 }
@@ -201,7 +201,7 @@ std::string find_mistake(const CLI::App& app, const Words& words) {
   const CLI::App* command = command_named(app, words.front());
   if (command == nullptr) return wrong_command(app, words);
   const CommandWords read = read_words(*command, {words.begin() + 1, words.end()});
-  if (asks_for_help(read)) return "";
+  if (requests_help(read)) return "";
   for (const auto find : {find_unknown_option, find_missing_value, find_repeated_option,
                           find_leftover_word, find_missing_word})
     if (std::string mistake = find(app, *command, read); !mistake.empty()) return mistake;

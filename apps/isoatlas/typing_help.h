@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong with a command line, in the words of somebody who is asked for help: the first
-// thing first, and what to type instead. CLI11 parses what passes here, and its messages remain for
-// what is not looked for.
+// Finds mistakes in a command line and suggests what to type instead. CLI11 parses the command
+// lines without such mistakes, and reports all other errors.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,17 +9,17 @@
 
 namespace isoatlas::detail::tool {
 
-/// `words` without the program's name, so that CLI11 understands all ways to ask for help: "help
-/// extract", "--help extract" and "extract v.nrrd -h" become "extract --help", "version" becomes
-/// "--version".
+/// Replaces all ways to request help by the one that CLI11 knows: "help extract", "--help extract"
+/// and "extract v.nrrd -h" become "extract --help", "version" becomes "--version".
+/// @param words  the command line without the name of the program
 std::vector<std::string> in_standard_form(const CLI::App& app, std::vector<std::string> words);
 
-/// One line on the first mistake in `words`; empty if there is none to be seen. Checked in this
-/// order: the command, unknown options, options without a value, options given twice, words left
-/// over, what is missing. Values are not looked at.
+/// One line about the first mistake in `words`; empty if none is found. The order of the checks is:
+/// the command, unknown options, options without a value, repeated options, extra words, missing
+/// arguments. Values are not checked.
 std::string find_mistake(const CLI::App& app, const std::vector<std::string>& words);
 
-/// The commands, a line each: what people see who type nothing.
+/// The list of commands, one line each. Printed if no argument is given.
 std::string usage(const CLI::App& app);
 
 }  // namespace isoatlas::detail::tool

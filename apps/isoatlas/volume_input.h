@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volumes as the commands read them.
+// Reads the volumes of the commands.
 #pragma once
 
 #include <filesystem>
@@ -9,16 +9,16 @@
 
 namespace isoatlas::detail::tool {
 
-/// read_volume_file() whose errors name the option that chooses.
+/// Same as read_volume_file(), but its errors name the option that chooses a volume of the file.
 VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOptions& options);
 
-/// What messages call the volume: its path, or "standard input" for "-".
+/// The name of the volume in messages: its path, or "standard input" for "-".
 std::string volume_name(const std::filesystem::path& path);
 
-/// What the reader warns of, one line each on standard error.
+/// Prints the warnings of the reader on standard error, one line each.
 void print_warnings(const std::filesystem::path& path, const VolumeSource& source);
 
-/// "channel 1 of 3 (GFP)": what was read of a list, or how many entries there are if none was.
+/// "1 (GFP) of 3": the entry that was read, or the number of entries if none was read.
 std::string choice_text(const FileChoice& choice);
 
 }  // namespace isoatlas::detail::tool

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Patterns of signs in a cell or eight, magnitudes at random or all tied; and noise, which has all
-// of them.
+// Sign patterns in one or eight grid cells, with random or equal magnitudes; and noise, which has
+// all patterns.
 #include <array>
 
 #include "adversarial/sound_levels.h"
@@ -10,8 +10,7 @@ namespace {
 
 using namespace test;
 
-// How large samples are: all ties, many of them, some, next to none; or the isovalue itself for
-// every other one.
+// Largest magnitudes of samples: all samples tie, many do, some do, or hardly any.
 constexpr std::array<std::int64_t, 4> kLargest{1, 2, 9, 100000};
 
 std::int64_t magnitude(Random& random, std::int64_t largest) {
@@ -35,7 +34,7 @@ TEST(Adversarial, EverySignPatternOfOneCell) {
   }
 }
 
-// The cell in the middle of a volume, so that its surface goes on on all sides.
+// The grid cell is in the middle of a volume, so that its surface continues on all sides.
 TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
   Random random(12);
   const int rounds = many() ? 5 : 1;
@@ -55,7 +54,7 @@ TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
   }
 }
 
-// 2^27 patterns: a sample of them, as they are and with a layer of one side around them.
+// A selection of the 2^27 patterns, without and with a layer of equal samples around them.
 TEST(Adversarial, SignPatternsOfThreeByThreeByThree) {
   Random random(13);
   const int count = many() ? 10'000 : 500;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A volume made to break the mesher, meshed as a user would: default options, coarse, then to one
-// voxel, then to half a voxel.
+// Meshes a difficult volume with default options: coarse, to one voxel, and to half a voxel; and
+// checks all levels.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@
 
 namespace isoatlas::detail::test {
 
-/// ISOATLAS_ADVERSARIAL=many in the environment: all there is, in minutes.
+/// True if ISOATLAS_ADVERSARIAL=many is in the environment: run all patterns, which takes minutes.
 inline bool many() {
-  const char* const wanted = std::getenv("ISOATLAS_ADVERSARIAL");
-  return wanted != nullptr && std::string(wanted) == "many";
+  const char* const value = std::getenv("ISOATLAS_ADVERSARIAL");
+  return value != nullptr && std::string(value) == "many";
 }
 
 inline ExtractOptions default_levels(const VolumeView& volume, double isovalue,
@@ -31,6 +31,7 @@ inline ExtractOptions default_levels(const VolumeView& volume, double isovalue,
   return options;
 }
 
+/// Extracts and expects that what_is_wrong() finds no error.
 inline Extraction expect_sound(const VolumeView& volume, const ExtractOptions& options,
                                const std::string& what) {
   Extraction e = extract(volume, options);
@@ -38,8 +39,8 @@ inline Extraction expect_sound(const VolumeView& volume, const ExtractOptions& o
   return e;
 }
 
-/// With a second opinion: of the loops on the faces of cells, and of tunnels there may only be as
-/// many as the Euler characteristic says.
+/// Also compares the topology with an independent count of the loops on the faces of grid cells. It
+/// may differ only by the tunnels, as the Euler characteristic requires.
 inline void expect_sound(const Samples& samples, const std::string& what, double isovalue = 0,
                          Inside inside = Inside::above, Vec3 spacing = {1, 1, 1}) {
   if (!has_surface(samples, isovalue, inside)) return;

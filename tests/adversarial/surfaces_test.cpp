@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces where the grid is hardest on them: at the volume's border, one sample wide, a tenth of a
-// voxel apart, in long cells.
+// Surfaces that are difficult for the grid: at the volume boundary, one sample wide, a tenth of a
+// voxel apart, in long grid cells.
 #include <array>
 #include <cmath>
 #include <vector>
@@ -14,7 +14,7 @@ using namespace test;
 
 constexpr std::size_t kSize = 7;
 
-// -1, 0 and 1 along each axis: the volume's 8 corners, 12 edges, 6 faces, and its inside.
+// The 8 corners, 12 edge midpoints, 6 face centres and the centre of the volume.
 std::vector<Size> places(std::size_t n) {
   std::vector<Size> out;
   for (const std::size_t z : {std::size_t{0}, n / 2, n - 1}) {
@@ -25,13 +25,14 @@ std::vector<Size> places(std::size_t n) {
   return out;
 }
 
-int axes_at_the_border(const Size& p) {
+int axes_at_the_boundary(const Size& p) {
   int count = 0;
   for (const std::size_t x : p) count += x == 0 || x == kSize - 1;
   return count;
 }
 
-void expect_sound_both_ways(const Samples& s, const std::string& what, Vec3 spacing = {1, 1, 1}) {
+void expect_sound_with_negated(const Samples& s, const std::string& what,
+                               Vec3 spacing = {1, 1, 1}) {
   expect_sound(s, what, 0, Inside::above, spacing);
   expect_sound(negated(s), what + ", negated", 0, Inside::above, spacing);
 }
@@ -42,9 +43,8 @@ TEST(Adversarial, OneSampleAtEveryFaceEdgeAndCorner) {
     s.at(p[0], p[1], p[2]) = 5;
     const std::string what =
         "sample " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]);
-    expect_sound_both_ways(s, what);
-    // Half-way to the neighbours, or as far as can be: the surface runs through the border's
-    // samples.
+    expect_sound_with_negated(s, what);
+    // Isovalues that equal a sample: the surface passes through samples at the boundary.
     expect_sound(s, what + ", tied", 5);
     expect_sound(s, what + ", tied below", -7, Inside::below);
     if (HasFailure()) return;
@@ -54,29 +54,29 @@ TEST(Adversarial, OneSampleAtEveryFaceEdgeAndCorner) {
 TEST(Adversarial, BallsAboutEveryFaceEdgeAndCorner) {
   for (const Size& p : places(kSize)) {
     const Vec3 c{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-    for (const double radius :
-         {2.0, 2.9, 3.0, 3.2, 4.0}) {  // 3: about the middle it is tangent to all faces
+    // With radius 3, the ball about the middle is tangent to all faces.
+    for (const double radius : {2.0, 2.9, 3.0, 3.2, 4.0}) {
       const std::string what = "ball of radius " + std::to_string(radius) + " with " +
-                               std::to_string(axes_at_the_border(p)) + " axes cut";
-      expect_sound_both_ways(sampled({kSize, kSize, kSize}, sphere(c, radius)), what);
+                               std::to_string(axes_at_the_boundary(p)) + " axes cut";
+      expect_sound_with_negated(sampled({kSize, kSize, kSize}, sphere(c, radius)), what);
       if (HasFailure()) return;
     }
   }
 }
 
 TEST(Adversarial, AllFacesEdgesOrCornersAtOnce) {
-  for (int border = 1; border < 16;
-       ++border) {  // what is inside: samples with 0, 1, 2 or 3 axes at the border
+  // Bit n of `inside`: samples with n axes at the boundary are inside.
+  for (int inside = 1; inside < 16; ++inside) {
     for (const std::int64_t low : {-1, -3, -100}) {
       Samples s = constant({kSize, kSize, kSize}, low);
       for (std::size_t z = 0; z < kSize; ++z) {
         for (std::size_t y = 0; y < kSize; ++y) {
           for (std::size_t x = 0; x < kSize; ++x) {
-            if (border >> axes_at_the_border({x, y, z}) & 1) s.at(x, y, z) = 2;
+            if (inside >> axes_at_the_boundary({x, y, z}) & 1) s.at(x, y, z) = 2;
           }
         }
       }
-      expect_sound_both_ways(s, "border " + std::to_string(border) + " " + std::to_string(low));
+      expect_sound_with_negated(s, "inside " + std::to_string(inside) + " " + std::to_string(low));
       if (HasFailure()) return;
     }
   }
@@ -106,7 +106,7 @@ TEST(Adversarial, StripsOneVoxelWide) {
          {std::pair<int, int>{1, -1}, {9, -2}, {2, -9}, {1, -1000}, {1000, -1}}) {
       Samples s = constant({kSize, kSize, kSize}, low);
       for (const Size& p : strip) s.at(p[0], p[1], p[2]) = high;
-      expect_sound_both_ways(s, what + " " + std::to_string(high) + " " + std::to_string(low));
+      expect_sound_with_negated(s, what + " " + std::to_string(high) + " " + std::to_string(low));
       if (HasFailure()) return;
     }
   }
@@ -117,14 +117,14 @@ TEST(Adversarial, VolumesOneCellThin) {
     Size size{2, 2, 2};
     size[seed % 3] = 9;
     if (seed % 2 != 0) size[(seed + 1) % 3] = 8;
-    expect_sound_both_ways(random_samples(static_cast<Family>(seed % kFamilies), size, seed),
-                           "seed " + std::to_string(seed));
+    expect_sound_with_negated(random_samples(static_cast<Family>(seed % kFamilies), size, seed),
+                              "seed " + std::to_string(seed));
     if (HasFailure()) return;
   }
 }
 
-// One layer of samples that are barely inside, between others far outside: two sheets, a tenth of a
-// voxel apart.
+// A layer of samples that are barely inside, between samples far outside: two sheets that are a
+// tenth of a voxel apart.
 Samples sheets(Size size, const std::function<std::int64_t(std::size_t, std::size_t)>& height,
                std::size_t period = 1000) {
   Samples s = constant(size, -19);
@@ -141,16 +141,16 @@ Samples sheets(Size size, const std::function<std::int64_t(std::size_t, std::siz
 
 TEST(Adversarial, SheetsATenthOfAVoxelApart) {
   const Size size{14, 13, 12};
-  expect_sound_both_ways(sheets(size, [](std::size_t, std::size_t) { return 5; }), "flat");
-  expect_sound_both_ways(sheets(size, [](std::size_t, std::size_t) { return 0; }),
-                         "flat, at the border");
-  expect_sound_both_ways(sheets(
-                             size, [](std::size_t, std::size_t) { return 1; }, 2),
-                         "many");
-  expect_sound_both_ways(
+  expect_sound_with_negated(sheets(size, [](std::size_t, std::size_t) { return 5; }), "flat");
+  expect_sound_with_negated(sheets(size, [](std::size_t, std::size_t) { return 0; }),
+                            "flat, at the boundary");
+  expect_sound_with_negated(sheets(
+                                size, [](std::size_t, std::size_t) { return 1; }, 2),
+                            "many");
+  expect_sound_with_negated(
       sheets(size, [](std::size_t x, std::size_t) { return static_cast<std::int64_t>(x); }),
       "at 45 degrees");
-  expect_sound_both_ways(
+  expect_sound_with_negated(
       sheets(
           size, [](std::size_t x, std::size_t y) { return static_cast<std::int64_t>((x + y) / 3); },
           4),
@@ -159,16 +159,16 @@ TEST(Adversarial, SheetsATenthOfAVoxelApart) {
     return std::llround(5.5 + 3 * std::sin(0.6 * static_cast<double>(x)) +
                         2 * std::cos(0.5 * static_cast<double>(y)));
   };
-  expect_sound_both_ways(sheets(size, wave), "wave");
-  // Close everywhere and curved: samples within a twentieth of a voxel of the surface are few, so
-  // it is torn into pieces.
-  expect_sound_both_ways(sampled({16, 16, 16}, nested_shells({7.4, 7.6, 7.55}, {5.0, 5.1})),
-                         "shells");
-  expect_sound_both_ways(sampled({16, 16, 16},
-                                 [](double x, double y, double z) {
-                                   return 0.05 - std::abs(0.36 * x + 0.48 * y + 0.8 * z - 12);
-                                 }),
-                         "slab");
+  expect_sound_with_negated(sheets(size, wave), "wave");
+  // Curved sheets: few samples are within a twentieth of a voxel of the surface, so that it breaks
+  // into pieces.
+  expect_sound_with_negated(sampled({16, 16, 16}, nested_shells({7.4, 7.6, 7.55}, {5.0, 5.1})),
+                            "shells");
+  expect_sound_with_negated(sampled({16, 16, 16},
+                                    [](double x, double y, double z) {
+                                      return 0.05 - std::abs(0.36 * x + 0.48 * y + 0.8 * z - 12);
+                                    }),
+                            "slab");
 }
 
 TEST(Adversarial, CellsTwentyTimesAsLong) {
@@ -176,9 +176,9 @@ TEST(Adversarial, CellsTwentyTimesAsLong) {
     const Vec3 spacing = axis == 0 ? Vec3{20, 1, 1} : axis == 1 ? Vec3{1, 20, 1} : Vec3{1, 1, 20};
     const std::string what = ", long axis " + std::to_string(axis);
     for (int family = 0; family < kFamilies; ++family)
-      expect_sound_both_ways(random_samples(static_cast<Family>(family), {5, 5, 4}, 31),
-                             name(static_cast<Family>(family)) + what, spacing);
-    expect_sound_both_ways(
+      expect_sound_with_negated(random_samples(static_cast<Family>(family), {5, 5, 4}, 31),
+                                name(static_cast<Family>(family)) + what, spacing);
+    expect_sound_with_negated(
         sheets({9, 8, 7},
                [](std::size_t x, std::size_t) { return static_cast<std::int64_t>(x / 2); }),
         "sheets" + what, spacing);

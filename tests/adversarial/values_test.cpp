@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples at the limits of their type, and floating-point numbers that are hardly any.
+// Samples at the limits of their type, and denormal floating-point numbers.
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace test;
 
-/// @return false if all samples are on one side
+/// Meshes random samples out of `values`. Returns false if all samples are on one side.
 template <class T>
 bool expect_sound_among(const std::vector<T>& values, SampleType type, std::uint64_t seed) try {
   Random random(seed);
@@ -21,8 +21,8 @@ bool expect_sound_among(const std::vector<T>& values, SampleType type, std::uint
   for (std::size_t& n : grid.size) n = static_cast<std::size_t>(random.between(2, 6));
   std::vector<T> samples(grid.sample_count());
   for (T& s : samples) s = any();
-  const double isovalue =
-      static_cast<double>(any());  // of 64 bits rounded, so that it may be beyond the type
+  // 64-bit values are rounded, so that the isovalue may be outside the range of the type.
+  const double isovalue = static_cast<double>(any());
   const Volume volume = own(grid, type, std::move(samples));
   const ExtractOptions options =
       default_levels(volume, isovalue, random.bits() % 2 ? Inside::above : Inside::below);
@@ -86,19 +86,19 @@ TEST(Adversarial, Denormals) {
   among(SampleType::float64, denormals<double>());
 }
 
-// An annulus and a disk in one cell, whose c-vertices have to be looked for.
-TEST(Adversarial, SurfelsOfACellThatAreHardToSeparate) {
+// An annulus and a disk in one grid cell, whose c-vertices are found only by a search.
+TEST(Adversarial, SurfelsThatAreHardToSeparate) {
   EXPECT_TRUE(expect_sound_among(limits_of_type<std::uint8_t>(), SampleType::uint8, 48));
 }
 
-// Cells beside each other whose numbers are scaled differently: points on their wall went to the
-// wrong curve.
-TEST(Adversarial, WallBetweenCellsOfTinyNumbers) {
+// Adjacent grid cells whose values are scaled differently: points on their wall were assigned to
+// the wrong curve.
+TEST(Adversarial, WallBetweenGridCellsWithTinyValues) {
   EXPECT_TRUE(expect_sound_among(denormals<double>(), SampleType::float64, 591));
 }
 
-// Slivers that part only where places are not rounded yet (found by fuzzing).
-TEST(Adversarial, PlacesAsTheyAreWritten) {
+// Slivers that intersect only after their positions are rounded (found by fuzzing).
+TEST(Adversarial, SliversThatIntersectOnceRounded) {
   Samples samples;
   samples.size = {5, 2, 5};
   samples.values = {0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1, 0, 0, 1, 0, 0, 0,
@@ -112,8 +112,8 @@ TEST(Adversarial, PlacesAsTheyAreWritten) {
   expect_sound(volume, options, "five by two by five");
 }
 
-// Two values that are neighbours, or as far apart as can be. Saddles are decided by which of them
-// is nearer to the isovalue, exactly.
+// Two values that are adjacent numbers, or the limits of the type. Saddles depend on which of the
+// two is exactly nearer to the isovalue.
 TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
   const Samples pattern = random_samples(Family::signs_only, {6, 5, 7}, 41);
   enum class Nearer { neither, high };
@@ -127,11 +127,12 @@ TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
     for (const Topology topology : {Topology::trilinear, Topology::faces}) {
       options.surface.topology = topology;
       const Extraction e = expect_sound(volume, options, std::string(name(type)));
-      const TopologySummary want = reference_topology(pattern, nearer == Nearer::high ? 0.5 : 0);
-      EXPECT_EQ(e.report.reference.boundary_loops, want.boundary_loops)
+      const TopologySummary expected =
+          reference_topology(pattern, nearer == Nearer::high ? 0.5 : 0);
+      EXPECT_EQ(e.report.reference.boundary_loops, expected.boundary_loops)
           << name(type) << " " << isovalue;
       EXPECT_EQ(e.report.reference.euler_characteristic,
-                want.euler_characteristic - 2 * static_cast<std::int64_t>(e.report.tunnels));
+                expected.euler_characteristic - 2 * static_cast<std::int64_t>(e.report.tunnels));
     }
   };
   const float one = 1, next = std::nextafter(1.0f, 2.0f);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loaded into the tool by the tests: cuts the file CUT_FILE to CUT_LENGTH bytes after it was opened
-// or read CUT_AFTER times, as another program may do.
+// Preloaded into the tool by the tests: truncates the file CUT_FILE to CUT_LENGTH bytes after it
+// was opened or read CUT_AFTER times, as another program may do.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Installs the build into an empty folder and builds programs against it, as somebody else's project would."""
+"""Installs the build into an empty folder and builds programs against it, as other projects do."""
 import os
 import pathlib
 import subprocess
@@ -16,9 +16,13 @@ EXPECTED = "296 triangles, genus 0\n1422 triangles, genus 1\n"
 
 
 def run(*command, **options):
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True,
+                          **options)
     if done.returncode != 0:
-        raise AssertionError(f"{' '.join(map(str, command))}: {done.returncode}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}")
+        raise AssertionError(
+            f"{' '.join(map(str, command))}: "
+            f"{done.returncode}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
+        )
     return done.stdout
 
 
@@ -40,29 +44,35 @@ class Installed(unittest.TestCase):
         folder.mkdir()
         (folder / "CMakeLists.txt").write_text(cmake_text)
         (folder / "main.cpp").write_text(source)
-        run(CMAKE, "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={CXX}")
+        run(CMAKE, "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={self.prefix}",
+            f"-DCMAKE_CXX_COMPILER={CXX}")
         run(CMAKE, "--build", folder / "build")
         return folder / "build" / "main"
 
     def test_find_package(self):
         build = self.top / "consumer"
-        run(CMAKE, "-S", CONSUMER, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={CXX}")
+        run(CMAKE, "-S", CONSUMER, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}",
+            f"-DCMAKE_CXX_COMPILER={CXX}")
         run(CMAKE, "--build", build)
         self.assertEqual(run(build / "consumer"), EXPECTED)
 
     def test_static_library(self):
-        main = self.build("static", "cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\nfind_package(isoatlas CONFIG REQUIRED)\n"
-                          "add_executable(main main.cpp)\ntarget_link_libraries(main PRIVATE isoatlas::static)\n",
-                          (CONSUMER / "main.cpp").read_text())
+        cmake_text = ("cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\n"
+                      "find_package(isoatlas CONFIG REQUIRED)\n"
+                      "add_executable(main main.cpp)\n"
+                      "target_link_libraries(main PRIVATE isoatlas::static)\n")
+        main = self.build("static", cmake_text, (CONSUMER / "main.cpp").read_text())
         self.assertEqual(run(main), EXPECTED)
         self.assertNotIn("libisoatlas", run("ldd", main))
 
     def test_component_io(self):
         if not list(self.prefix.rglob("libisoatlas_io.so")):
             self.skipTest("built without ISOATLAS_BUILD_IO")
-        main = self.build("io", "cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\n"
-                          "find_package(isoatlas CONFIG REQUIRED COMPONENTS core io)\n"
-                          "add_executable(main main.cpp)\ntarget_link_libraries(main PRIVATE isoatlas::io)\n", r"""
+        main = self.build(
+            "io", "cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\n"
+            "find_package(isoatlas CONFIG REQUIRED COMPONENTS core io)\n"
+            "add_executable(main main.cpp)\ntarget_link_libraries(main PRIVATE isoatlas::io)\n",
+            r"""
 #include <isoatlas/io.h>
 #include <isoatlas/isoatlas.h>
 #include <cstring>
@@ -72,32 +82,41 @@ int main(int, char** argv) {
   isoatlas::write_mesh(isoatlas::extract(volume, 100).mesh(), argv[2]);
   std::cout << isoatlas::mesh_topology(isoatlas::read_mesh(argv[2])).genus() << '\n';
   try {
-    isoatlas::read_volume("missing.nrrd");  // an error that crosses from one library to the program
+    isoatlas::read_volume("missing.nrrd");  // an error thrown by the library
   } catch (const isoatlas::Error& error) {
     std::cout << (error.code() == isoatlas::ErrorCode::bad_file) << '\n';
   }
 }
 """)
-        self.assertEqual(run(main, ROOT / "samples/protein_iron.nhdr", self.top / "mesh.ply"), "8\n1\n")
+        self.assertEqual(run(main, ROOT / "samples/protein_iron.nhdr", self.top / "mesh.ply"),
+                         "8\n1\n")
 
     def test_unknown_component_is_refused(self):
         folder = self.top / "unknown"
         folder.mkdir()
-        (folder / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\n"
-                                               "find_package(isoatlas CONFIG REQUIRED COMPONENTS nothing)\n")
-        done = subprocess.run([CMAKE, "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={self.prefix}"], capture_output=True, text=True)
+        (folder / "CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\n"
+            "find_package(isoatlas CONFIG REQUIRED COMPONENTS nothing)\n")
+        done = subprocess.run(
+            [CMAKE, "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={self.prefix}"],
+            capture_output=True, text=True)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("nothing", done.stderr)
 
     def test_pkg_config(self):
-        environment = {**os.environ, "PKG_CONFIG_PATH": str(self.libraries / "pkgconfig"), "LD_LIBRARY_PATH": str(self.libraries)}
+        environment = {
+            **os.environ, "PKG_CONFIG_PATH": str(self.libraries / "pkgconfig"),
+            "LD_LIBRARY_PATH": str(self.libraries)
+        }
         flags = run("pkg-config", "--cflags", "--libs", "isoatlas", env=environment).split()
         program = self.top / "by_pkg_config"
         run(CXX, "-std=c++20", CONSUMER / "main.cpp", *flags, "-o", program)
         self.assertEqual(run(program, env=environment), EXPECTED)
 
     def test_no_trace_of_the_source_folder(self):
-        for path in [*self.prefix.rglob("*.cmake"), *self.prefix.rglob("*.pc"), *self.prefix.rglob("*.h")]:
+        for path in [
+                *self.prefix.rglob("*.cmake"), *self.prefix.rglob("*.pc"), *self.prefix.rglob("*.h")
+        ]:
             text = path.read_text()
             self.assertNotIn(str(ROOT), text, path)
             self.assertNotIn(str(BUILD), text, path)
@@ -109,38 +128,50 @@ int main(int, char** argv) {
             names = run("nm", "-DC", "--defined-only", library)
             self.assertNotIn("isoatlas::detail::", names, library)
         self.assertIn("SONAME", run("readelf", "-d", self.libraries / "libisoatlas.so"))
-        self.assertRegex(run("readelf", "-d", self.libraries / "libisoatlas.so"), r"libisoatlas\.so\.\d+\.\d+")
+        self.assertRegex(run("readelf", "-d", self.libraries / "libisoatlas.so"),
+                         r"libisoatlas\.so\.\d+\.\d+")
 
     def test_manual_pages_and_completions(self):
         if not (self.prefix / "bin/isoatlas").exists():
             self.skipTest("built without ISOATLAS_BUILD_TOOL")
-        self.assertIn("isoatlas \\- isosurfaces", (self.prefix / "share/man/man1/isoatlas.1").read_text())
+        self.assertIn("isoatlas \\- isosurfaces",
+                      (self.prefix / "share/man/man1/isoatlas.1").read_text())
         page = (self.prefix / "share/man/man1/isoatlas-extract.1").read_text()
-        for text in (".SH NAME\nisoatlas\\-extract \\- ", ".SH EXIT STATUS\n", "\\-\\-max\\-distance"):
+        for text in (".SH NAME\nisoatlas\\-extract \\- ", ".SH EXIT STATUS\n",
+                     "\\-\\-max\\-distance"):
             self.assertIn(text, page)
         script = self.prefix / "share/bash-completion/completions/isoatlas"
-        ask = f'source {script}; COMP_WORDS=(isoatlas extract --pla); COMP_CWORD=2; _isoatlas; echo "${{COMPREPLY[@]}}"'
-        self.assertEqual(run("bash", "-c", ask), "--placement\n")
-        ask = f'source {script}; COMP_WORDS=(isoatlas extract --placement b); COMP_CWORD=3; _isoatlas; echo "${{COMPREPLY[@]}}"'
-        self.assertEqual(run("bash", "-c", ask), "balanced\n")
-        ask = f'source {script}; COMP_WORDS=(isoatlas ex); COMP_CWORD=1; _isoatlas; echo "${{COMPREPLY[@]}}"'
-        self.assertEqual(run("bash", "-c", ask), "extract\n")
+
+        def complete(*words):
+            """The completions of the last word, as the shell prints them."""
+            line = " ".join(words)
+            return run("bash", "-c", f'source {script}; COMP_WORDS=({line}); '
+                       f'COMP_CWORD={len(words) - 1}; _isoatlas; echo "${{COMPREPLY[@]}}"')
+
+        self.assertEqual(complete("isoatlas", "extract", "--pla"), "--placement\n")
+        self.assertEqual(complete("isoatlas", "extract", "--placement", "b"), "balanced\n")
+        self.assertEqual(complete("isoatlas", "ex"), "extract\n")
 
 
-@unittest.skipUnless(os.environ.get("ISOATLAS_TEST_SUBFOLDER"), "builds the library again: ISOATLAS_TEST_SUBFOLDER=1")
+@unittest.skipUnless(os.environ.get("ISOATLAS_TEST_SUBFOLDER"),
+                     "builds the library again: set ISOATLAS_TEST_SUBFOLDER=1")
 class Subfolder(unittest.TestCase):
-    """add_subdirectory: the core alone, in the parent's build type, with no targets of tests or file readers."""
+    """add_subdirectory builds the core without tests and file readers, in the given build type."""
 
     def test_add_subdirectory(self):
         with tempfile.TemporaryDirectory() as folder:
             top = pathlib.Path(folder)
             (top / "CMakeLists.txt").write_text(
-                f"cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\nadd_subdirectory({ROOT} isoatlas)\n"
-                f"add_executable(main {CONSUMER}/main.cpp)\ntarget_link_libraries(main PRIVATE isoatlas::isoatlas)\n"
-                "get_target_property(type isoatlas_static TYPE)\nmessage(STATUS \"type=${type} build=[${CMAKE_BUILD_TYPE}]\")\n")
-            said = run(CMAKE, "-S", top, "-B", top / "build", f"-DCMAKE_CXX_COMPILER={CXX}", "-G", "Ninja")
-            self.assertIn("type=STATIC_LIBRARY build=[]", said)
-            self.assertNotIn("VTK", said)
+                "cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\n"
+                f"add_subdirectory({ROOT} isoatlas)\n"
+                f"add_executable(main {CONSUMER}/main.cpp)\n"
+                "target_link_libraries(main PRIVATE isoatlas::isoatlas)\n"
+                "get_target_property(type isoatlas_static TYPE)\n"
+                "message(STATUS \"type=${type} build=[${CMAKE_BUILD_TYPE}]\")\n")
+            printed = run(CMAKE, "-S", top, "-B", top / "build", f"-DCMAKE_CXX_COMPILER={CXX}",
+                          "-G", "Ninja")
+            self.assertIn("type=STATIC_LIBRARY build=[]", printed)
+            self.assertNotIn("VTK", printed)
             run(CMAKE, "--build", top / "build", "--target", "main")
             self.assertEqual(run(top / "build/main"), EXPECTED)
 

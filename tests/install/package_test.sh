@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# package_test.sh BUILD CONSUMER: makes the Debian package of a build and tries it (try_package.sh). Exits with 77 where that cannot be.
+# package_test.sh BUILD CONSUMER: makes the Debian package of a build and tests it with
+# try_package.sh. Exits with 77 if that is not possible.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$1"
