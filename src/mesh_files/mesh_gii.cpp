@@ -137,7 +137,7 @@ class ArrayReader {
     }
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
     if (count > kMost) {
-      throw error("promises " + text + " rows, more than can be numbered");
+      throw error("states " + text + " rows, more than can be numbered");
     }
     return count;
   }
@@ -186,7 +186,7 @@ class ArrayReader {
     return values;
   }
 
-  std::string unpacked(std::uint64_t promised, const std::string& encoding) const {
+  std::string unpacked(std::uint64_t stated, const std::string& encoding) const {
     const bool is_packed = encoding == "GZipBase64Binary";
     if (!is_packed && encoding != "Base64Binary") {
       throw unsupported(path_, "keeps its array of " + name_ + " with the encoding '" +
@@ -195,23 +195,23 @@ class ArrayReader {
     }
     std::string bytes = from_base64(data());
     if (is_packed) {
-      require_possible_bytes(path_, promised, bytes.size());
-      bytes = inflated(bytes, promised);
+      require_possible_bytes(path_, stated, bytes.size());
+      bytes = inflated(bytes, stated);
     }
-    if (bytes.size() != promised) {
-      throw error("is cut off or damaged: " + std::to_string(promised) +
-                  " bytes were promised, there are " + std::to_string(bytes.size()));
+    if (bytes.size() != stated) {
+      throw error("is cut off or damaged: " + std::to_string(stated) +
+                  " bytes were stated, there are " + std::to_string(bytes.size()));
     }
     return bytes;
   }
 
-  // One byte more than promised is enough to know that there are too many.
-  std::string inflated(const std::string& packed, std::uint64_t promised) const {
-    std::string bytes(promised + 1, '\0');
+  // One byte more than stated is enough to know that there are too many.
+  std::string inflated(const std::string& packed, std::uint64_t stated) const {
+    std::string bytes(stated + 1, '\0');
     z_stream stream{};
     constexpr int kAnyHeader = 15 + 32;  // zlib or gzip
     if (inflateInit2(&stream, kAnyHeader) != Z_OK) {
-      throw out_of_memory(path_, promised);
+      throw out_of_memory(path_, stated);
     }
     int status = Z_OK;
     std::size_t taken = 0;

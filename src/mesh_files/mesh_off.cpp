@@ -23,7 +23,7 @@ std::string_view first_word_of_next_line(TextScanner& scanner) {
       return word;
     }
   }
-  throw scanner.error("the file ends here, more lines were promised");
+  throw scanner.error("the file ends here, expected more lines");
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   // "0 0 0\n" and "0\n" are the shortest lines
   const auto remaining = static_cast<std::int64_t>(scanner.remaining()) + 1;
   if (vertices < 0 || faces < 0 || vertices > remaining / 6 || faces > remaining / 2) {
-    throw scanner.error("promises " + std::to_string(vertices) + " vertices and " +
+    throw scanner.error("states " + std::to_string(vertices) + " vertices and " +
                         std::to_string(faces) + " faces, the file is too short for them");
   }
 

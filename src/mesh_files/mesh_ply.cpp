@@ -212,7 +212,7 @@ TriangleMesh read_body(Values& values, const PlyHeader& header, const std::files
     const bool is_face = element.name == "face";
     const PlyProperty& first = element.properties.front();
     if (element.count > values.most_values(first.list_count_type.value_or(first.type))) {
-      throw bad_file(path, "promises " + std::to_string(element.count) + " elements '" +
+      throw bad_file(path, "states " + std::to_string(element.count) + " elements '" +
                                one_line(element.name, 40) + "', the file is too short for them");
     }
     if (is_vertex) {

@@ -126,7 +126,7 @@ TriangleMesh read_stl(const std::filesystem::path& path) {
   if (contents.size() < kHeaderBytes + sizeof triangle_count) {
     throw bad_file(path, "is too short for an STL file");
   }
-  throw bad_file(path, "promises " + std::to_string(triangle_count) + " triangles, which are " +
+  throw bad_file(path, "states " + std::to_string(triangle_count) + " triangles, which are " +
                            std::to_string(binary_bytes) + " bytes, but has " +
                            std::to_string(contents.size()));
 }

@@ -35,7 +35,7 @@ void require_container(const std::string& contents, const fs::path& path) {
     throw bad_file(path, "is not a binary glTF file");
   }
   if (number_at(contents, 8) != contents.size()) {
-    throw bad_file(path, "promises " + std::to_string(number_at(contents, 8)) + " bytes, but has " +
+    throw bad_file(path, "states " + std::to_string(number_at(contents, 8)) + " bytes, but has " +
                              std::to_string(contents.size()));
   }
   if (number_at(contents, 12) > contents.size() - kJsonStart) {
@@ -275,7 +275,7 @@ class Reader {
          (view.byteLength - accessor.byteOffset >= element_bytes &&
           (count - 1) <= (view.byteLength - accessor.byteOffset - element_bytes) / stride));
     if (!fits) {
-      throw bad_file(path_, "promises more elements than it has");
+      throw bad_file(path_, "states more elements than it has");
     }
     return {bytes.data() + view.byteOffset + accessor.byteOffset, count, stride};
   }

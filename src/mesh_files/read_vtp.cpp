@@ -62,7 +62,7 @@ const XmlElement* named_array(const XmlElement& element, std::string_view name) 
 }
 
 /// Calls `use` with each value in turn, in a type of its own. Memory grows with the values that are
-/// there, not with those that the file promises.
+/// there, not with those that the file states.
 template <class Use>
 void for_each_value(const VtkXmlHeader& header, const XmlElement& array, std::uint64_t count,
                     Use use) {

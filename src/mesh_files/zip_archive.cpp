@@ -144,7 +144,7 @@ std::string ZipReader::part(const std::string& name, std::uint64_t most_bytes) c
   const zip_stat_t stat = archive_->stat(name, path_);
   constexpr std::uint64_t kMostPerStoredByte = 1100;  // deflate shrinks nothing below 1/1032
   if (stat.size / kMostPerStoredByte > readable_file_size(path_)) {
-    throw bad_file(path_, "promises " + std::to_string(stat.size) + " bytes in its part " + name +
+    throw bad_file(path_, "states " + std::to_string(stat.size) + " bytes in its part " + name +
                               ", more than a file of its size can hold");
   }
   if (stat.size > most_bytes) {

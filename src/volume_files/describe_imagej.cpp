@@ -150,7 +150,7 @@ void set_rescale(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
 
 [[noreturn]] void refuse_page_count(const TiffFile& tiff, const TiffStack& stack,
                                     std::size_t pages) {
-  throw bad_file(tiff.path(), "ImageJ's description promises " + std::to_string(stack.channels) +
+  throw bad_file(tiff.path(), "ImageJ's description states " + std::to_string(stack.channels) +
                                   " channels x " + std::to_string(stack.slices) + " slices x " +
                                   std::to_string(stack.times) + " time points, the file has " +
                                   std::to_string(pages) + (pages == 1 ? " page" : " pages"));
@@ -169,22 +169,22 @@ void set_pages(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, Vol
       pages.size() == stack.slices * stack.times) {
     stack.channels = 1;  // of pages; a page of red, green and blue has all of them
   }
-  const std::size_t promised = stack.channels * stack.slices * stack.times;
-  if (pages.size() == 1 && promised > 1) {
+  const std::size_t stated = stack.channels * stack.slices * stack.times;
+  if (pages.size() == 1 && stated > 1) {
     stack.is_contiguous = true;
     if (tiff.offset_of_plain_samples() == 0) {
       refuse_page_count(tiff, stack, pages.size());
     }
     pages.assign(1, pages.front());
     source.decisions.push_back(
-        {"layout", std::to_string(promised) +
+        {"layout", std::to_string(stated) +
                        " images behind the only page, as ImageJ writes more than 4 GB"});
-  } else if (pages.size() > promised && stack.channels == 1 && stack.times == 1) {
-    source.warnings.push_back("ImageJ's description promises " + std::to_string(promised) +
+  } else if (pages.size() > stated && stack.channels == 1 && stack.times == 1) {
+    source.warnings.push_back("ImageJ's description states " + std::to_string(stated) +
                               " images, the file has " + std::to_string(pages.size()) +
                               " pages, which are all read");
     stack.slices = pages.size();
-  } else if (pages.size() != promised) {
+  } else if (pages.size() != stated) {
     refuse_page_count(tiff, stack, pages.size());
   }
   set_page_order(stack, "CZT", std::move(pages));

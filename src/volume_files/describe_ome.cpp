@@ -73,7 +73,7 @@ class OmeImage {
     tiff.select(first_page());
     const PageFormat page = tiff.format();
     if (stack_.channels % page.values_per_sample != 0) {
-      throw bad_file(path_, "OME-XML promises " + std::to_string(stack_.channels) +
+      throw bad_file(path_, "OME-XML states " + std::to_string(stack_.channels) +
                                 " channels (SizeC), but its pages hold " +
                                 std::to_string(page.values_per_sample) + " each");
     }
@@ -195,7 +195,7 @@ class OmeImage {
         const std::optional<Plane> plane = advanced(start, i);
         if (!plane) break;  // more pages than planes
         if (i >= pages_left && (has_page || has_count)) {
-          throw bad_file(path_, "OME-XML promises a page " + std::to_string(first + i + 1) +
+          throw bad_file(path_, "OME-XML states a page " + std::to_string(first + i + 1) +
                                     ", the file has " + std::to_string(page_count_));
         }
         if (++located_ > kMostPlanes) {
@@ -270,7 +270,7 @@ class OmeImage {
   void warn_of_differences(const PageFormat& page, VolumeSource& source) const {
     const auto width = size_of("SizeX"), height = size_of("SizeY");
     if (width != page.width || height != page.height) {
-      source.warnings.push_back("OME-XML promises " + std::to_string(width) + " x " +
+      source.warnings.push_back("OME-XML states " + std::to_string(width) + " x " +
                                 std::to_string(height) + " samples, its pages have " +
                                 std::to_string(page.width) + " x " + std::to_string(page.height) +
                                 "; the pages are right");

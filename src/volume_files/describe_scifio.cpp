@@ -116,7 +116,7 @@ std::optional<TiffStack> describe_scifio(TiffFile& tiff, VolumeSource& source) {
     stack.channels = 1;  // of pages; a page has all of them
   }
   if (pages.size() != stack.channels * stack.slices * stack.times) {
-    throw bad_file(tiff.path(), "SCIFIO's description promises " +
+    throw bad_file(tiff.path(), "SCIFIO's description states " +
                                     std::to_string(stack.channels * stack.slices * stack.times) +
                                     " pages, the file has " + std::to_string(pages.size()));
   }

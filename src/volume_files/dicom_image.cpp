@@ -237,7 +237,7 @@ class ImageReading {
                  "), but its pixel data is not");
     } else if (pixels.bytes / frame_bytes < image_.frames) {
       set_damage("is cut off: its pixel data has " + std::to_string(pixels.bytes) +
-                 " bytes, its header promises " + std::to_string(image_.frames) + " x " +
+                 " bytes, its header states " + std::to_string(image_.frames) + " x " +
                  std::to_string(frame_bytes));
     } else if (pixels.bytes - frame_bytes * image_.frames > 1) {
       image_.warnings.push_back("has " +

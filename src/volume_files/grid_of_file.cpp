@@ -92,7 +92,7 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path,
                         "has " + shape + ", expected a 3-D volume with at least 2 along each axis");
     }
     if (bytes > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / samples) {
-      throw bad_file(path, "the header promises " + shape + ", more than any file can hold");
+      throw bad_file(path, "the header states " + shape + ", more than any file can hold");
     }
     bytes *= samples;
   }

@@ -173,7 +173,7 @@ class HeaderReader {
       if (factor > 0 &&
           expected >
               static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / factor) {
-        throw bad_file(path_, "the header promises " + shape_of(header_.grid.points) +
+        throw bad_file(path_, "the header states " + shape_of(header_.grid.points) +
                                   " samples, more than any file can hold");
       }
       expected *= factor;

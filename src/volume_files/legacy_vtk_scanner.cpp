@@ -147,7 +147,7 @@ void LegacyVtkScanner::locate_values(LegacyVtkArray& array, const std::string& t
   if (components > 0 &&
       array.tuples >
           static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / 8 / components) {
-    throw bad_file(path_, "the header promises " + std::to_string(array.tuples) + " x " +
+    throw bad_file(path_, "the header states " + std::to_string(array.tuples) + " x " +
                               std::to_string(components) + " values, more than any file can hold");
   }
   const std::uint64_t values = array.tuples * components;
@@ -178,7 +178,7 @@ void LegacyVtkScanner::skip_numbers(std::uint64_t values) {
     const std::string_view word = text_.word();
     if (word.empty() ||
         std::string_view("+-.0123456789nNiI").find(word[0]) == std::string_view::npos) {
-      throw bad_file(path_, "is cut off or damaged: the header promises " + std::to_string(values) +
+      throw bad_file(path_, "is cut off or damaged: the header states " + std::to_string(values) +
                                 " numbers, the file has " + std::to_string(i));
     }
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The header of a MetaImage. https://itk.org/Wiki/ITK/MetaIO/Documentation
 //
-// Read here and not by MetaIO (which ITK uses): MetaIO returns success with less than the promised
+// Read here and not by MetaIO (which ITK uses): MetaIO returns success with less than the stated
 // samples, whatever the encoding, reads past its buffers if a header has more values than it
 // expects, and takes only files with the extension .mha or .mhd.
 #pragma once

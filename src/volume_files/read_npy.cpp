@@ -148,7 +148,7 @@ NpyHeader read_header(const fs::path& path) {
   const std::size_t length =
       version == 1 ? fields.at<std::uint16_t>(8) : fields.at<std::uint32_t>(8);
   if (length > bytes.size() - start) {
-    throw bad_file(path, "its header is cut off: it promises " + std::to_string(length) +
+    throw bad_file(path, "its header is cut off: it states " + std::to_string(length) +
                              " bytes and has " + std::to_string(bytes.size() - start));
   }
   NpyHeader header;

@@ -127,7 +127,7 @@ void describe_values(const PageFormat& page, const TiffFile& tiff, VolumeSource&
   }
 }
 
-std::uint64_t promised_bytes(const PageFormat& page, std::uint64_t pages) {
+std::uint64_t stated_bytes(const PageFormat& page, std::uint64_t pages) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 62;
   return page.stored_bytes() > kMost / pages ? kMost : page.stored_bytes() * pages;
 }
@@ -139,7 +139,7 @@ void require_possible_pages(const TiffFile& tiff, const PageFormat& page, std::s
   const bool is_packed_better =
       tiff.packs_without_bound() && tiff.file_size() / kSmallestPage >= pages;
   if (!is_packed_better) {
-    require_possible_bytes(tiff.path(), promised_bytes(page, pages), tiff.file_size(),
+    require_possible_bytes(tiff.path(), stated_bytes(page, pages), tiff.file_size(),
                            kMostPerByte);
   }
 }
@@ -151,7 +151,7 @@ void require_images_behind_page(const TiffFile& tiff, const TiffStack& stack,
     const std::uint64_t start = tiff.offset_of_plain_samples();
     const std::uint64_t pages =
         stack.channels * stack.slices * stack.times;  // each at most a million
-    require_stored_bytes(tiff.path(), promised_bytes(page, pages),
+    require_stored_bytes(tiff.path(), stated_bytes(page, pages),
                          tiff.file_size() - std::min(start, tiff.file_size()));
   }
 }

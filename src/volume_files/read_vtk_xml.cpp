@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // VTK XML images and rectilinear grids with equal steps. VTK's own reader returns what was in
-// memory where base64 text or an LZ4 block ends early, and allocates what a header promises, so the
+// memory where base64 text or an LZ4 block ends early, and allocates what a header states, so the
 // values are decoded here, each of them or none.
 #include <algorithm>
 #include <cmath>

@@ -68,7 +68,7 @@ class PieceSequence {
       return "";
     }
     const std::string more =
-        std::to_string(rest_bytes_) + " bytes after the last sample that the header promises";
+        std::to_string(rest_bytes_) + " bytes after the last sample that the header states";
     if (first_with_rest_ == header_file_) {
       return "has " + more;
     }
@@ -203,7 +203,7 @@ std::uint64_t checked_sample_count(const fs::path& path, const std::vector<Store
     if (axis.size == 0 || count > most / axis.size) {
       throw bad_file(path, axis.size == 0
                                ? "the size of an axis is 0, expected at least 1"
-                               : "the header promises more samples than any file can hold");
+                               : "the header states more samples than any file can hold");
     }
     count *= axis.size;
   }

@@ -33,7 +33,7 @@ std::uint64_t checked_sample_count(const std::filesystem::path& path,
                                    const std::vector<StoredAxis>& axes, SampleType type);
 
 /// Reads the samples with the selected indices, in the machine's byte order. Fills `source.reader`
-/// and warns in `source.warnings` of a file that has more than the header promises.
+/// and warns in `source.warnings` of a file that has more than the header states.
 ///
 /// @param header_file  named in errors about another file
 std::shared_ptr<std::byte[]> read_stored_samples(const std::filesystem::path& header_file,

@@ -26,7 +26,7 @@ struct StoredVolumes {
 };
 
 /// To call before memory is allocated or choices are listed. Warns where a file that is not packed
-/// is longer than its header promises.
+/// is longer than its header states.
 /// @throws Error(bad_file)     the file cannot hold all volumes
 /// @throws Error(unsupported)  more than a million volumes
 void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source);
@@ -34,7 +34,7 @@ void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source);
 /// Reads volume `index` into new memory for `file.volume`, whose grid's size and type are known:
 /// `read` gets a stream at the first sample, of which it takes `volume_bytes` bytes, and the
 /// memory. The rest of a packed file is read as well, as its checksum is at its end. Warns where
-/// there is more than the header promises.
+/// there is more than the header states.
 /// @throws Error(bad_file)       the file is damaged or holds less than all volumes
 /// @throws Error(out_of_memory)
 void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file,

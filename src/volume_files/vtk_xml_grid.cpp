@@ -70,13 +70,13 @@ void require_within(const fs::path& path, const PointExtent& extent, const Point
 
 // The pieces that are in the file itself.
 void add_pieces(VtkXmlGrid& grid, const std::shared_ptr<const VtkXmlHeader>& header,
-                const XmlElement& element, const PointExtent& promised) {
+                const XmlElement& element, const PointExtent& stated) {
   for (const XmlElement& child : element.children) {
     if (child.name != "Piece") {
       continue;
     }
     const PointExtent extent = extent_of(*header, child, "Extent");
-    const PointExtent wanted = extent.intersection(promised);
+    const PointExtent wanted = extent.intersection(stated);
     if (wanted.is_empty()) {
       continue;
     }

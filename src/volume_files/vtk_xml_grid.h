@@ -33,7 +33,7 @@ struct VtkXmlPiece {
   const XmlElement* element = nullptr;         ///< <Piece> there
   PointExtent extent;                          ///< all points that it holds
   PointExtent
-      wanted;  ///< those that are read: a file may hold more than its header's file promises
+      wanted;  ///< those that are read: a file may hold more than its header's file states
 };
 
 struct VtkXmlGrid {

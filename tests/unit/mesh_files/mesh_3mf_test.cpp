@@ -350,7 +350,7 @@ TEST(Mesh3mf, LargePromisesAreNotAllocated) {
   for (std::size_t at = bytes.find(size); at != std::string::npos; at = bytes.find(size, at + 4))
     bytes.replace(at, 4, huge);
   write_bytes(path, bytes);
-  expect_error(ErrorCode::bad_file, "promises 4026531840 bytes", path, [&] { read_mesh(path); });
+  expect_error(ErrorCode::bad_file, "states 4026531840 bytes", path, [&] { read_mesh(path); });
 }
 
 }  // namespace

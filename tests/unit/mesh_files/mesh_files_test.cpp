@@ -278,7 +278,7 @@ TEST(MeshFiles, BinaryStlThatStartsWithSolid) {
   write_bytes(folder / "a.stl", bytes);
   EXPECT_EQ(read_mesh(folder / "a.stl").triangles.size(), 8U);
   write_bytes(folder / "a.stl", bytes + "more");
-  expect_error(ErrorCode::bad_file, "promises 8 triangles", folder / "a.stl",
+  expect_error(ErrorCode::bad_file, "states 8 triangles", folder / "a.stl",
                [&] { read_mesh(folder / "a.stl"); });
 }
 
@@ -426,7 +426,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
        "too short"},
       {"text.ply", ply + ply_faces + "0 0 0\n0 1 x\n", "line 11: found 'x', expected a number"},
       {"large.obj", "v 0 0 1e400\n", "line 1: found '1e400'"},
-      {"short.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1\n", "more data was promised"},
+      {"short.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1\n", "expected more data"},
       {"range.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1 3\n", "triangle 0 uses vertex 3"},
       {"negative.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1 -1\n", "uses vertex"},
       {"nan.ply", ply + ply_faces + "0 0 0\n0 nan 0\n1 0 0\n3 0 1 2\n", "vertex 1 is not finite"},
@@ -436,7 +436,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
            "0 0\n",
        "no z coordinate"},
       {"garbage.stl", "hello", "too short"},
-      {"count.stl", std::string(200, 'x'), "promises"},
+      {"count.stl", std::string(200, 'x'), "states"},
       {"cut.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n",
        "line 5: the file ends here"},
       {"four.stl",
@@ -457,7 +457,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
       {"promise.off", "OFF\n1000000000000 1 0\n0 0 0\n", "too short"},
       {"negative.off", "OFF\n-1 1 0\n0 0 0\n", "too short"},
       {"cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0     \n#            ",
-       "more lines were promised"},
+       "expected more lines"},
       {"short.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1\n",
        "line 6: found '', expected a vertex number"},
       {"count.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n-4 3 2 1 0\n", "a face with -4 corners"},

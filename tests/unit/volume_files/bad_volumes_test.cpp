@@ -267,9 +267,9 @@ TEST(BadVolumes, Nrrd) {
        {"flip.nrrd", nrrd(flipped(gz, 900), "gzip"), kBad, "damaged"},
        {"crc.nrrd", nrrd(flipped(gz, gz.size() - 6), "gzip"), kBad, "damaged"},
        {"short.nrrd", nrrd(gzipped(cut(noise(), 9), true), "gzip"), kBad, "1911"},
-       {"text.nrrd", nrrd(cut(as_text(noise()), 200), "ascii"), kBad, "promises 1920 numbers"},
+       {"text.nrrd", nrrd(cut(as_text(noise()), 200), "ascii"), kBad, "states 1920 numbers"},
        {"huge.nrrd", nrrd("0123456789", "raw", "100000 100000 100000"), kBad,
-        "promises 1000000000000000 bytes"},
+        "states 1000000000000000 bytes"},
        {"hugegz.nrrd", nrrd(gz, "gzip", "10000 10000 10000"), kBad, "far more than a file of"},
        {"overflow.nrrd", nrrd(noise(), "raw", "4294967296 4294967296 4294967296"), kBad,
         "more than any file can hold"},
@@ -298,16 +298,16 @@ TEST(BadVolumes, MetaImage) {
   const std::string text = "BinaryData = False\n";
   expect_all_errors(
       {{"raw.mha", meta(cut(noise(), 1)), kBad,
-        "promises 1920 bytes of samples, the file has 1919"},
+        "states 1920 bytes of samples, the file has 1919"},
        {"none.mha", meta(""), kBad, "the file has 0"},
        {"cut.mha", packed_meta(cut(z, 100), z.size()), kBad, "is cut off"},
        {"cut2.mha", packed_meta(cut(z, 100), z.size() - 100), kBad, "is cut off"},
        {"flip.mha", packed_meta(flipped(z, 900), z.size()), kBad, "damaged"},
        {"short.mha", packed_meta(gzipped(cut(noise(), 9), false), 1911), kBad,
-        "promises 1920 bytes of samples, the file has 1911"},
-       {"text.mha", meta(cut(as_text(noise()), 300), text), kBad, "promises 1920 numbers"},
+        "states 1920 bytes of samples, the file has 1911"},
+       {"text.mha", meta(cut(as_text(noise()), 300), text), kBad, "states 1920 numbers"},
        {"huge.mha", meta(noise(), "", "100000 100000 100000"), kBad,
-        "promises 1000000000000000 bytes"},
+        "states 1000000000000000 bytes"},
        {"hugez.mha", packed_meta(z, z.size(), "10000 10000 10000"), kBad,
         "far more than a file of"},
        {"overflow.mha", meta(noise(), "", "4294967296 4294967296 4294967296"), kBad,
@@ -354,7 +354,7 @@ TEST(BadVolumes, Nifti) {
   const std::string gz = gzipped(nifti_header() + noise(), true);
   expect_all_errors(
       {{"raw.nii", nifti_header() + cut(noise(), 1), kBad,
-        "promises 1920 bytes of samples, the file has 1919"},
+        "states 1920 bytes of samples, the file has 1919"},
        {"gzip.nii.gz", cut(gz, 100), kBad, "is cut off"},
        {"trailer.nii.gz", cut(gz, 8), kBad, "is cut off"},
        {"short.nii.gz", gzipped(nifti_header() + cut(noise(), 9), true), kBad, "is cut off"},
@@ -362,7 +362,7 @@ TEST(BadVolumes, Nifti) {
        {"crc.nii.gz", flipped(gz, gz.size() - 6), kBad, ""},
        {"header.nii", nifti_header().substr(0, 100), kBad, "not a NIfTI file"},
        {"huge.nii", nifti_header({.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1}}) + noise(),
-        kBad, "promises 32768000000000"},
+        kBad, "states 32768000000000"},
        {"huge.nii.gz",
         gzipped(nifti_header({.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1}}), true), kBad,
         "far more"},
@@ -386,9 +386,9 @@ TEST(BadVolumes, Nifti) {
 
 TEST(BadVolumes, LegacyVtk) {
   expect_all_errors(
-      {{"raw.vtk", vtk(cut(noise(), 1)), kBad, "promises 1920 bytes of samples, the file has 1919"},
+      {{"raw.vtk", vtk(cut(noise(), 1)), kBad, "states 1920 bytes of samples, the file has 1919"},
        {"none.vtk", vtk(""), kBad, "the file has 0"},
-       {"text.vtk", vtk(cut(as_text(noise()), 300), "ASCII"), kBad, "promises 1920 numbers"},
+       {"text.vtk", vtk(cut(as_text(noise()), 300), "ASCII"), kBad, "states 1920 numbers"},
        {"huge.vtk", vtk(noise(), "BINARY", "100000 100000 100000"), kBad, "make 1000000000000000"},
        {"overflow.vtk", vtk(noise(), "BINARY", "4294967296 4294967296 4294967296"), kBad,
         "more than any file can hold"},

@@ -214,7 +214,7 @@ TEST(DicomImage, PixelDataMustHaveWhatItsFramesTake) {
   DicomBuilder image = enhanced();
   const std::string frame(kFrameSamples * 2, 'x');
   expect_refused(image.set(0x7FE00010, "OW", frame + frame + frame.substr(2)),
-                 "its pixel data has 142 bytes, its header promises 3 x 48", ErrorCode::bad_file);
+                 "its pixel data has 142 bytes, its header states 3 x 48", ErrorCode::bad_file);
   const VolumeFile file = read_image(image.set(0x7FE00010, "OW", frame + frame + frame + "more"));
   EXPECT_EQ(file.source.warnings,
             (Names{"has 4 bytes of pixel data more than its frames take; they are ignored"}));

@@ -414,7 +414,7 @@ TEST_F(LegacyVtk, BytesThatAreLeftAreWarnedOf) {
   const VolumeFile longer = read(whole + "\nabcd");
   ASSERT_EQ(longer.source.warnings.size(), 1U);
   EXPECT_EQ(longer.source.warnings[0],
-            "has 5 bytes more than its header promises; they are not read");
+            "has 5 bytes more than its header states; they are not read");
   expect_ramp(longer);
 }
 
@@ -463,7 +463,7 @@ TEST_F(LegacyVtk, PromisesAreCheckedBeforeMemoryIsAllocated) {
   expect_refused(start("ASCII") +
                      "DIMENSIONS 2000 1000 1000\nPOINT_DATA 2000000000\nSCALARS s "
                      "float\nLOOKUP_TABLE default\n1 2",
-                 ErrorCode::bad_file, "promises 2000000000 numbers, the file has 2");
+                 ErrorCode::bad_file, "states 2000000000 numbers, the file has 2");
   expect_refused(start() + "DIMENSIONS 4294967296 4294967296 4294967296\nPOINT_DATA 0\n",
                  ErrorCode::bad_file, "more than any file can hold");
   expect_refused(start() + kGeometry + "POINT_DATA 24\nFIELD f 99999999999\na 0 0 float\n",

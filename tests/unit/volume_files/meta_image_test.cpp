@@ -239,12 +239,12 @@ TEST(MetaImageSamples, Compressed) {
   EXPECT_EQ(MetaFile(packed("", gzipped(counted(24)))).samples(), counted(24));
   EXPECT_EQ(MetaFile(small(kSpacing + "CompressedData = False\n")).samples(), counted(24));
   MetaFile(packed("", gzipped(counted(23), false)))
-      .expect_refused(kBad, "promises 24 bytes of samples, the file has 23");
+      .expect_refused(kBad, "states 24 bytes of samples, the file has 23");
   MetaFile(packed("", zlib.substr(0, zlib.size() - 4))).expect_refused(kBad, "is cut off");
   MetaFile(packed("", counted(24))).expect_refused(kBad, "damaged");
   MetaFile(packed("HeaderSize = -1\n", zlib)).expect_refused(kUnsupported, "HeaderSize = -1");
   EXPECT_EQ(MetaFile(packed("", gzipped(counted(30), false))).file().source.warnings,
-            Strings{"has 6 bytes after the last sample that the header promises"});
+            Strings{"has 6 bytes after the last sample that the header states"});
 }
 
 TEST(MetaImageSamples, Text) {
@@ -261,7 +261,7 @@ TEST(MetaImageSamples, Text) {
           .samples(),
       counted(24));
   MetaFile(small(kSpacing + "BinaryData = False\n", text.substr(0, text.size() - 4)))
-      .expect_refused(kBad, "promises 24 numbers");
+      .expect_refused(kBad, "states 24 numbers");
 }
 
 TEST(MetaImageSamples, HeaderSize) {
@@ -310,10 +310,10 @@ TEST(MetaImageSamples, IntensityFunctionIsLeftToOthers) {
 
 TEST(MetaImageSamples, MoreThanPromised) {
   EXPECT_EQ(MetaFile(small(kSpacing, counted(25))).file().source.warnings,
-            Strings{"has 1 bytes after the last sample that the header promises"});
+            Strings{"has 1 bytes after the last sample that the header states"});
   EXPECT_EQ(
       MetaFile(small(kSpacing, "", "a.raw")).with("a.raw", counted(25)).file().source.warnings,
-      Strings{"its data file a.raw has 1 bytes after the last sample that the header promises"});
+      Strings{"its data file a.raw has 1 bytes after the last sample that the header states"});
 }
 
 // ---- data files
@@ -370,7 +370,7 @@ TEST(MetaImageDataFiles, List) {
       .with("s03.raw", counted(5))
       .expect_refused(
           kBad,
-          "s03.raw: is cut off or damaged: the header promises 6 bytes of samples, the file has 5");
+          "s03.raw: is cut off or damaged: the header states 6 bytes of samples, the file has 5");
   MetaFile(small(kSpacing, names, "LIST two"))
       .expect_refused(kBad, "expected LIST and a dimension");
 }

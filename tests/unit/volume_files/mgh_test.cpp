@@ -143,8 +143,8 @@ TEST_F(Mgh, FramesAreAChoice) {
   }
   const std::string cut =
       bytes.substr(0, bytes.size() - 1);  // in another frame than the one that is read
-  refuse(cut, ErrorCode::bad_file, "promises 72 bytes of samples, the file has 71", {.time = 0});
-  refuse(gzipped(cut), ErrorCode::bad_file, "promises 72 bytes of samples, the file has 71",
+  refuse(cut, ErrorCode::bad_file, "states 72 bytes of samples, the file has 71", {.time = 0});
+  refuse(gzipped(cut), ErrorCode::bad_file, "states 72 bytes of samples, the file has 71",
          {.time = 0});
 }
 
@@ -164,7 +164,7 @@ TEST_F(Mgh, DamagedFilesAreRefused) {
   refuse(mgh({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF, 1}}), ErrorCode::bad_file,
          "more than any file can hold");
   refuse(mgh({.size = {4, 3, 2, 1000000}}), ErrorCode::bad_file,
-         "promises 24000000 bytes of samples, the file has 24");
+         "states 24000000 bytes of samples, the file has 24");
   refuse(mgh({.size = {4, 3, 2, 0x7FFFFFFF}}), ErrorCode::unsupported,
          "2147483647 volumes, expected at most 1000000");
   refuse(gzipped(mgh({.size = {30000, 30000, 30000, 1}})), ErrorCode::bad_file,

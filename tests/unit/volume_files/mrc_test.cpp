@@ -209,7 +209,7 @@ TEST_F(Mrc, TheExtendedHeaderIsSkipped) {
   refuse(mrc({.extended_bytes = -1}), ErrorCode::bad_file, "its extended header has -1 bytes");
   std::string bytes = mrc({});
   put(bytes, 92, 0x7FFFFFFF, false);
-  refuse(bytes, ErrorCode::bad_file, "promises 24 bytes of samples, the file has 0");
+  refuse(bytes, ErrorCode::bad_file, "states 24 bytes of samples, the file has 0");
 }
 
 TEST_F(Mrc, StacksOfVolumesAreAChoice) {
@@ -261,7 +261,7 @@ TEST_F(Mrc, DamagedFilesAreRefused) {
   refuse(mrc({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF}}), ErrorCode::bad_file,
          "more than any file can hold");
   refuse(mrc({.size = {2000, 2000, 2000}}), ErrorCode::bad_file,
-         "promises 8000000000 bytes of samples, the file has 24");
+         "states 8000000000 bytes of samples, the file has 24");
   refuse(gzipped(mrc({.size = {2000, 2000, 2000}})), ErrorCode::bad_file, "far more than");
   refuse(mrc({.cell = {std::numeric_limits<float>::infinity(), 1, 1}}), ErrorCode::bad_file,
          "spacing along x");

@@ -351,7 +351,7 @@ TEST_F(Nifti, SamplesBeginWhereTheHeaderSays) {
   }
   header.vox_offset = 1e9F;
   refuse(one_file(header, samples), ErrorCode::bad_file,
-         "promises 24 bytes of samples, the file has 0");
+         "states 24 bytes of samples, the file has 0");
 }
 
 TEST_F(Nifti, StatedBitsOfAnotherTypeAreSaid) {
@@ -386,9 +386,9 @@ TEST_F(Nifti, TimeAndChannelAreChosen) {
   }
   // All volumes have to be there, whichever is read.
   refuse(bytes.substr(0, bytes.size() - 1), ErrorCode::bad_file,
-         "promises 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
+         "states 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
   refuse(gzipped(bytes.substr(0, bytes.size() - 1)), ErrorCode::bad_file,
-         "promises 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
+         "states 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
 }
 
 TEST_F(Nifti, DimensionsOfOneAreNone) {
@@ -423,7 +423,7 @@ TEST_F(Nifti, ImpossibleShapesAreRefused) {
   refuse(one_file(large), ErrorCode::bad_file, "more than any file can hold");
   large.dim[1] = 1 << 20;
   large.dim[2] = 1 << 20;
-  refuse(one_file(large), ErrorCode::bad_file, "promises 2199023255552 bytes of samples");
+  refuse(one_file(large), ErrorCode::bad_file, "states 2199023255552 bytes of samples");
   refuse(gzipped(one_file(large)), ErrorCode::bad_file, "far more than a file of");
   large.dim[1] = -5;
   refuse(one_file(large), ErrorCode::bad_file, "-5 samples along axis 1");

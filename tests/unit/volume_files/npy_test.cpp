@@ -230,7 +230,7 @@ TEST_F(Npy, DamagedHeadersAreRefused) {
   refuse(npy(dictionary("<f8", "(4294967296, 4294967296, 4)"), kBytes), ErrorCode::bad_file,
          "more than any file can hold");
   refuse(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes), ErrorCode::bad_file,
-         "promises 32000000000000 bytes");
+         "states 32000000000000 bytes");
   refuse(gzipped(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes)), ErrorCode::bad_file,
          "far more than");
   std::string long_header = npy(dictionary("|u1"), kBytes, 2);

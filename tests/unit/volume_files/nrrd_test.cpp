@@ -64,7 +64,7 @@ TEST(NrrdField, LongerDataFileIsWarnedOf) {
   ASSERT_EQ(file.source.warnings.size(), 2u);
   EXPECT_EQ(
       file.source.warnings[0],
-      "its data file r_det.raw has 1920 bytes after the last sample that the header promises");
+      "its data file r_det.raw has 1920 bytes after the last sample that the header states");
   EXPECT_EQ(file.source.warnings[1], "states no voxel size, 1 x 1 x 1 is assumed");
 }
 
@@ -532,11 +532,11 @@ TEST(NrrdSamples, Text) {
   NrrdFile(nrrd("uint8", "0 1 2 -3 4 5 6 7")).expect_refused(kBad, "sample 3 is '-3'");
   NrrdFile(nrrd("int16", "0 1 2 3.5 4 5 6 7")).expect_refused(kBad, "sample 3 is '3.5'");
   NrrdFile(nrrd("int16", "0 1 2 three 4 5 6 7")).expect_refused(kBad, "sample 3 is 'three'");
-  NrrdFile(nrrd("int8", "0 1 2 3 4 5 6")).expect_refused(kBad, "promises 8 numbers");
+  NrrdFile(nrrd("int8", "0 1 2 3 4 5 6")).expect_refused(kBad, "states 8 numbers");
   NrrdFile(nrrd("int8", "0 1 2 3 4 5 6            "))
-      .expect_refused(kBad, "promises 8 numbers, the file has 7");
+      .expect_refused(kBad, "states 8 numbers, the file has 7");
   EXPECT_EQ(NrrdFile(nrrd("int8", "0 1 2 3 4 5 6 7 89")).file().source.warnings,
-            Strings{"has 2 bytes after the last sample that the header promises"});
+            Strings{"has 2 bytes after the last sample that the header states"});
   NrrdFile(nrrd("int8", std::string(100000, '1'))).expect_refused(kBad, "sample 0 is '1111");
 }
 
@@ -593,19 +593,19 @@ TEST(NrrdSamples, MoreThanPromised) {
     return NrrdFile(small(kSpacing, body, encoding)).file().source.warnings;
   };
   EXPECT_EQ(warnings(counted(27), "raw"),
-            Strings{"has 3 bytes after the last sample that the header promises"});
+            Strings{"has 3 bytes after the last sample that the header states"});
   EXPECT_EQ(warnings(gzipped(counted(27)), "gzip"),
-            Strings{"has 3 bytes after the last sample that the header promises"});
+            Strings{"has 3 bytes after the last sample that the header states"});
   EXPECT_EQ(warnings(bzipped(counted(27)), "bzip2"),
-            Strings{"has 3 bytes after the last sample that the header promises"});
+            Strings{"has 3 bytes after the last sample that the header states"});
 }
 
 TEST(NrrdSamples, CutOrDamaged) {
   const std::string bz = bzipped(counted(24));
   NrrdFile(small(kSpacing, counted(23)))
-      .expect_refused(kBad, "promises 24 bytes of samples, the file has 23");
+      .expect_refused(kBad, "states 24 bytes of samples, the file has 23");
   NrrdFile(small(kSpacing, gzipped(counted(23)), "gzip"))
-      .expect_refused(kBad, "promises 24 bytes of samples, the file has 23");
+      .expect_refused(kBad, "states 24 bytes of samples, the file has 23");
   NrrdFile(small(kSpacing, bz.substr(0, bz.size() - 4), "bzip2"))
       .expect_refused(kBad, "is cut off");
   // what is not read of a packed file is checked nevertheless
@@ -616,7 +616,7 @@ TEST(NrrdSamples, CutOrDamaged) {
   EXPECT_EQ(NrrdFile(lines + gz).samples({.time = 0}), counted(24));
   NrrdFile(lines + gz.substr(0, gz.size() - 6)).expect_refused(kBad, "is cut off", {.time = 0});
   NrrdFile(lines + gzipped(counted(47)))
-      .expect_refused(kBad, "promises 48 bytes of samples, the file has 47", {.time = 0});
+      .expect_refused(kBad, "states 48 bytes of samples, the file has 47", {.time = 0});
   NrrdFile(header("dimension: 4\nsizes: 2 3 4 2\nkinds: space space space time\n\n") + counted(47))
       .expect_refused(kBad, "the file has 47", {.time = 0});
 }
@@ -709,7 +709,7 @@ TEST(NrrdDataFiles, List) {
       .with("c.raw", counted(5))
       .expect_refused(
           kBad,
-          "c.raw: is cut off or damaged: the header promises 6 bytes of samples, the file has 5");
+          "c.raw: is cut off or damaged: the header states 6 bytes of samples, the file has 5");
   NrrdFile longer(small(kSpacing + "data file: LIST\na.raw\nb.raw\nc.raw\nd.raw\n", ""), "a.nhdr");
   EXPECT_EQ(with_slices(longer)
                 .with("c.raw", counted(8, 12))
@@ -717,7 +717,7 @@ TEST(NrrdDataFiles, List) {
                 .file()
                 .source.warnings,
             Strings{"its data file c.raw has 2 bytes after the last sample that the header "
-                    "promises, and 1 more files are longer too"});
+                    "states, and 1 more files are longer too"});
 }
 
 TEST(NrrdDataFiles, TextHasNoBytesToCountFromTheEnd) {

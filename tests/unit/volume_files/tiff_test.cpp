@@ -316,11 +316,11 @@ TEST_F(Tiff, ImageJPageCounts) {
   EXPECT_EQ(
       more.source.warnings,
       std::vector<std::string>{
-          "ImageJ's description promises 3 images, the file has 5 pages, which are all read"});
+          "ImageJ's description states 3 images, the file has 5 pages, which are all read"});
   refuse(pages(5, head + "images=16\nslices=16\n"), ErrorCode::bad_file,
-         "promises 1 channels x 16 slices x 1 time points, the file has 5 pages");
+         "states 1 channels x 16 slices x 1 time points, the file has 5 pages");
   refuse(pages(5, head + "images=4\nchannels=2\nslices=2\n"), ErrorCode::bad_file,
-         "promises 2 channels x 2 slices x 1 time points");
+         "states 2 channels x 2 slices x 1 time points");
   refuse(pages(2, head + "channels=1000000\nslices=1000000\nframes=1000000\n"), ErrorCode::bad_file,
          "the file has 2 pages");
 }
@@ -424,14 +424,14 @@ TEST_F(Tiff, ImagesBehindTheOnlyPage) {
                 static_cast<double>((i / 12 * 2 + 1) * 256 + i % 12));
     }
   }
-  refuse(big_stack(40, 6, false), ErrorCode::bad_file, "the header promises 960 bytes of samples",
+  refuse(big_stack(40, 6, false), ErrorCode::bad_file, "the header states 960 bytes of samples",
          {.channel = "1"});
-  refuse(big_stack(1000000, 6, false), ErrorCode::bad_file, "the header promises",
+  refuse(big_stack(1000000, 6, false), ErrorCode::bad_file, "the header states",
          {.channel = "1"});
   // Found by a fuzzer: a list of a million channels was made first.
   TiffPage page{.samples = samples_of(0),
                 .description = "ImageJ=1.53t\nchannels=1000000\nslices=1000000\nframes=1000000\n"};
-  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header promises");
+  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header states");
 }
 
 TEST_F(Tiff, ImagesBehindTheOnlyPageMustBePlain) {
@@ -439,7 +439,7 @@ TEST_F(Tiff, ImagesBehindTheOnlyPageMustBePlain) {
                 .description = "ImageJ=1.53t\nimages=16\nslices=16\n",
                 .more = {{259, 3, {32773}}}};
   refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file,
-         "promises 1 channels x 16 slices x 1 time points, the file has 1 page");
+         "states 1 channels x 16 slices x 1 time points, the file has 1 page");
   page.more = {{322, 4, {16}}, {323, 4, {16}}, {324, 4, {8}}, {325, 4, {256}}};
   refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the file has 1 page");
 }
@@ -450,7 +450,7 @@ TEST_F(Tiff, TifffilesTruncatedStack) {
                 .strip_bytes = 12};
   EXPECT_EQ(pages_read(read(TiffWriter().add(page).bytes())), (std::vector{0, 1}));
   page.description = R"({"truncated": true, "shape": [999999, 3, 4]})";
-  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header promises");
+  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header states");
 }
 
 // Descriptions of other programs, places on the earth, profiles of colours, ImageJ's regions of
@@ -580,7 +580,7 @@ TEST_F(Tiff, OmePlanesByPage) {
   refuse(pages(3, ome(kStack, R"(<TiffData IFD="0"/><TiffData IFD="1" FirstZ="1"/>)")),
          ErrorCode::bad_file, "names no page for channel 0, slice 2");
   refuse(pages(2, ome(kStack, R"(<TiffData IFD="0" PlaneCount="3"/>)")), ErrorCode::bad_file,
-         "promises a page 3, the file has 2");
+         "states a page 3, the file has 2");
   refuse(pages(2, ome(kStack, kAll)), ErrorCode::bad_file, "names no page for channel 0, slice 2");
   refuse(pages(3, ome(kStack, R"(<TiffData IFD="0" FirstZ="3"/>)")), ErrorCode::bad_file,
          "beyond its own sizes");
@@ -677,7 +677,7 @@ TEST_F(Tiff, OmeSizesThatDiffer) {
   const VolumeFile file = read(pages(2, description));
   EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
   EXPECT_EQ(file.source.warnings[0],
-            "OME-XML promises 8 x 6 samples, its pages have 4 x 3; the pages are right");
+            "OME-XML states 8 x 6 samples, its pages have 4 x 3; the pages are right");
 }
 
 TEST_F(Tiff, OmeSlicesThatAreAngles) {
@@ -699,7 +699,7 @@ TEST_F(Tiff, OmeChannelsWithinPages) {
   EXPECT_EQ(sample_as_double(read(file.bytes(), {.channel = "2"}).volume, 5), 17);
   page.description = ome(R"(DimensionOrder="XYCZT" SizeZ="2" SizeC="2" SizeT="1")", kAll);
   refuse(TiffWriter().add(page).add(page).bytes(), ErrorCode::bad_file,
-         "promises 2 channels (SizeC), but its pages hold 3 each");
+         "states 2 channels (SizeC), but its pages hold 3 each");
 }
 
 // ---------------------------------------------------------------- tifffile, SCIFIO, LSM, MetaMorph
@@ -765,7 +765,7 @@ TEST_F(Tiff, ScifiosAxes) {
               "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,3\nscales=1.0,1.0,1.0\nunits=null,null,null\n"))
           .source.has_spacing);
   refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,5\nscales=1,1,1\nunits=um,um,um\n"),
-         ErrorCode::bad_file, "promises 5 pages, the file has 3");
+         ErrorCode::bad_file, "states 5 pages, the file has 3");
   refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Lifetime\nlengths=4,3,3\nscales=1,1,1\nunits=um,um,um\n"),
          ErrorCode::unsupported, "an axis 'Lifetime'");
   refuse(pages(3, "SCIFIO=0.45\naxes=X\nlengths=4\n"), ErrorCode::bad_file, "X and Y first");

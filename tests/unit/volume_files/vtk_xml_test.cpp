@@ -472,8 +472,8 @@ TEST_F(VtkXml, ValuesAreAllThereOrRefused) {
                  "states NumberOfTuples 12, expected 24");
   EXPECT_NO_THROW(read(values("format='ascii' NumberOfTuples='24'", integers(24))));
   // VTK 9.1 reads these, too, and returns what was in memory for the missing values.
-  const std::string base64 = "YAAAAAAAAAAAAIA/AAAAQAAAQEA";  // 96 bytes are promised, 16 are there
-  expect_refused(values("format='binary'", base64), ErrorCode::bad_file, "promises 96 bytes");
+  const std::string base64 = "YAAAAAAAAAAAAIA/AAAAQAAAQEA";  // the header states 96 bytes, the file has 16
+  expect_refused(values("format='binary'", base64), ErrorCode::bad_file, "states 96 bytes");
   expect_refused(
       values("format='binary'", base64 + std::string(100, ' ') + "=" + std::string(200, '\n')),
       ErrorCode::bad_file, "its samples end too early");
@@ -499,7 +499,7 @@ TEST_F(VtkXml, AppendedValuesAreAllThereOrRefused) {
   expect_refused(appended(number(97) + ramp_bytes()), ErrorCode::bad_file,
                  "has 97 bytes of values, expected 96");
   expect_refused(appended(number(96) + ramp_bytes(23)), ErrorCode::bad_file,
-                 "promises 96 bytes of samples, the file has 93");
+                 "states 96 bytes of samples, the file has 93");
   expect_refused(appended(""), ErrorCode::bad_file, "");
   std::string far = appended(number(96) + ramp_bytes());
   far.replace(far.find("offset='0'"), 10, "offset='9999'");
