@@ -9,6 +9,7 @@
 
 namespace isoatlas::detail::io {
 
+/// The compression of a file.
 enum class Packing {
   none,
   deflate,

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint32_t kLsmTag = 34412;
 
-/// Numbers at fixed places of the tag.
+/// Numbers at fixed offsets of the tag.
 class Fields {
  public:
   Fields(std::string bytes, bool is_big_endian)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The description of SCIFIO, with which ImageJ2 and Fiji write TIFF files: four lists of one entry
-// per axis, "axes=X,Y,Z", "lengths=", "scales=" and "units=". After x and y, pages run along the
-// axes as they are listed, the first fastest.
+// The description of SCIFIO, with which ImageJ2 and Fiji write TIFF files: four lists with one
+// entry per axis, "axes=X,Y,Z", "lengths=", "scales=" and "units=". Pages run along the axes after
+// x and y in the listed order, the first fastest.
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,7 +66,7 @@ void set_geometry(const std::vector<Axis>& axes, TiffStack& stack, VolumeSource&
     if (!is_convertible && axis.unit != axes[0].unit) {
       source.warnings.push_back(one_line("its " + axis.name + " axis is in '" + axis.unit +
                                          "' and its X axis in '" + axes[0].unit +
-                                         "', the numbers are used as they are"));
+                                         "'; the numbers are used without conversion"));
     }
     stack.spacing[place] = *axis.scale * (is_convertible ? metres(unit) / metres(stack.unit) : 1);
     is_scaled = is_scaled || *axis.scale != 1;
@@ -113,7 +113,7 @@ std::optional<TiffStack> describe_scifio(TiffFile& tiff, VolumeSource& source) {
   std::vector<std::size_t> pages = pages_without_previews(tiff, source);
   tiff.select(pages.front());
   if (stack.channels == tiff.format().values_per_sample) {
-    stack.channels = 1;  // of pages; a page has all of them
+    stack.channels = 1;  // counted in pages; a page holds all channels
   }
   if (pages.size() != stack.channels * stack.slices * stack.times) {
     throw bad_file(tiff.path(), "SCIFIO's description states " +

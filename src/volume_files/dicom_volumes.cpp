@@ -15,12 +15,12 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// A slice may lie this fraction of the slice distance off its place: positions are written with few
-// digits. A missing slice is off by a whole one.
+// The largest offset of a slice from its regular position, as a fraction of the slice distance:
+// positions are written with few digits. A missing slice causes an offset of 1.
 constexpr double kPlaceTolerance = 0.1;
 constexpr double kGapTolerance = 0.5;
 constexpr double kSameDirectionTolerance = 1e-3;
-// Slices that are closer to each other than this fraction of a pixel are at one place.
+// Slices whose distance is below this fraction of a pixel have the same position.
 constexpr double kSamePlaceTolerance = 1e-2;
 
 Vec3 difference(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -40,7 +40,7 @@ bool have_same_place(const DicomFrame& a, const DicomFrame& b) {
          kSamePlaceTolerance * std::min(a.spacing_x, a.spacing_y);
 }
 
-// Numbers by value, texts by alphabet, numbers first: "2" comes before "10".
+// Orders numbers by value and texts by alphabet, numbers first: "2" precedes "10".
 bool comes_before(const std::string& a, const std::string& b) {
   const auto number = [](const std::string& text) -> std::optional<double> {
     double value = 0;
@@ -59,8 +59,8 @@ struct Before {
 
 std::string length_text(double value) { return dicom_number(std::round(value * 1e6) / 1e6); }
 
-// The first gap that differs from the median gap by more than kGapTolerance: a slice may be
-// missing. Empty: there is none.
+// Describes the first gap that differs from the median gap by more than kGapTolerance: a slice may
+// be missing. Empty if there is none.
 std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -80,14 +80,14 @@ std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   const auto i = static_cast<std::size_t>(found - gaps.begin());
   return "slices are not evenly spaced: " + length_text(*found) + " from " + frames[i].name() +
          " to " + frames[i + 1].name() + ", usually " + length_text(usual) +
-         "; is a slice missing?";
+         "; check whether a slice is missing";
 }
 
-// The slice farthest from its place in an even stack, if it is too far: small differences between
-// gaps can add up.
+// Describes the slice with the largest offset from its position in an evenly spaced stack, if it is
+// too large: small differences between gaps can add up.
 std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& step) {
   std::size_t worst = 0;
-  Vec3 offset;  // of the worst, from its place in an even stack
+  Vec3 offset;  // of the worst slice, from its position in an even stack
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto steps = static_cast<double>(i);
     const Vec3 place{step.x * steps, step.y * steps, step.z * steps};
@@ -105,12 +105,12 @@ std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& s
   const std::string name = frames[worst].name(), apart = length_text(length(step)) + " apart";
   return along >= beside
              ? "slices are not evenly spaced: " + name + " is " + length_text(along) +
-                   " from its place in an even stack of slices " + apart
+                   " from its position in an even stack of slices " + apart
              : "slices are not in line: " + name + " lies " + length_text(beside) +
-                   " beside the line through the first and the last slice, of slices " + apart;
+                   " from the line through the first and the last slice, of slices " + apart;
 }
 
-/// Volumes that some frames make when they are told apart by an attribute.
+/// The volumes that result from splitting frames by an attribute.
 struct Split {
   std::vector<std::string> names;
   std::vector<DicomStack> volumes;
@@ -121,7 +121,7 @@ const DicomLabel* label_named(const DicomFrame& frame, const std::string& name) 
   return found == frame.labels->end() ? nullptr : &*found;
 }
 
-// The parts that frames fall into by the values of these labels; empty if all are alike.
+// Groups frames by their values of these labels; empty if all frames have the same values.
 std::map<std::string, std::vector<DicomFrame>, Before> parts_by(
     const std::vector<DicomFrame>& frames, const std::vector<std::string>& names) {
   std::map<std::string, std::vector<DicomFrame>, Before> parts;
@@ -140,10 +140,10 @@ std::map<std::string, std::vector<DicomFrame>, Before> parts_by(
   return parts;
 }
 
-// A volume may have moved a little from one time to the next, with the patient or with the
-// scanner's correction of it.
+// True if two volumes have nearly the same position. A volume may move a little between two times,
+// with the patient or by the scanner's motion correction.
 bool have_near_places(const DicomStack& a, const DicomStack& b) {
-  constexpr double kNear = 0.75;  // of the slice distance
+  constexpr double kNear = 0.75;  // times the slice distance
   const auto are_near = [&](const DicomFrame& slice, const DicomFrame& other) {
     return have_same_place(slice, other) ||
            length(difference(slice.position, other.position)) <= kNear * length(a.step);
@@ -161,7 +161,8 @@ Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& pa
   return split;
 }
 
-// Volumes at the same places but for small movements, each with one slice at each of them.
+// True if all volumes have the same positions, apart from small movements, and one slice at each
+// position.
 bool is_split_in_time(const Split& split) {
   return split.volumes.size() > 1 &&
          std::ranges::all_of(split.volumes, [&](const DicomStack& volume) {
@@ -170,8 +171,7 @@ bool is_split_in_time(const Split& split) {
          });
 }
 
-// Volumes that need not have anything in common; slices that are left over are entries of their
-// own.
+// True if the volumes are independent; remaining single slices become entries of their own.
 bool is_split_in_space(const Split& split) {
   return std::ranges::any_of(split.volumes,
                              [](const DicomStack& volume) { return volume.frames.size() > 1; }) &&
@@ -226,8 +226,8 @@ std::optional<Split> split_in_space(const std::vector<DicomFrame>& frames,
   return std::nullopt;
 }
 
-// Nothing tells the volumes apart, but they follow each other in the order in which frames are
-// numbered.
+// Splits frames by their order: no attribute distinguishes the volumes, but they follow each other
+// in the order in which frames are numbered.
 std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t places) {
   const auto number = [](const DicomFrame& frame) {
     return std::pair(frame.image->instance_number, frame.number);
@@ -262,7 +262,7 @@ std::size_t count_places(const DicomStack& sorted) {
   return places;
 }
 
-/// Frames that may be one volume as far as their image planes say.
+/// Frames whose image planes allow them to be one volume.
 struct PlaneGroup {
   std::vector<DicomFrame> frames;
   bool ignores_world = false;
@@ -281,7 +281,7 @@ struct PlaneGroup {
 };
 
 std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
-  // Anonymized files may have a frame of reference for each slice.
+  // Anonymized files may have a different frame of reference for each slice.
   std::set<std::pair<std::string, std::string>> worlds;
   std::set<const DicomImage*> images;
   for (const DicomFrame& frame : frames) {
@@ -290,7 +290,7 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
   }
   const bool ignores_world = worlds.size() == images.size();
   std::vector<PlaneGroup> groups;
-  std::size_t last = 0;  // frames of one group mostly follow each other
+  std::size_t last = 0;  // mostly, a frame is in the same group as its predecessor
   for (DicomFrame& frame : frames) {
     if (last >= groups.size() || !groups[last].takes(frame)) {
       const auto found =
@@ -305,8 +305,8 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
   return groups;
 }
 
-// One series, or several if an attribute tells its frames apart. Where all frames together are an
-// even stack, that has to be an attribute that is the same in all slices of a volume.
+// Adds one series, or several if an attribute distinguishes its frames. If all frames together are
+// an even stack, only an attribute that never varies within a volume can split them.
 void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
   DicomStack whole = stack_of(std::move(frames));
   const bool is_even = whole.problem.empty();
@@ -336,7 +336,7 @@ void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
   }
 }
 
-// What tells entries of one series apart that differ in their planes.
+// Names the parts of a series whose entries differ in their planes.
 void name_parts(std::vector<DicomSeries>& all) {
   for (DicomSeries& one : all) {
     const auto is_same = [&](const DicomSeries& other) {
@@ -370,9 +370,9 @@ DicomStack stack_of(std::vector<DicomFrame> frames) {
                            [&](const DicomFrame& frame) { return dot(normal, frame.position); });
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     if (have_same_place(sorted[i - 1], sorted[i])) {
-      stack.problem = "has two slices at one place: " + sorted[i - 1].name() + ", " +
+      stack.problem = "has two slices at one position: " + sorted[i - 1].name() + ", " +
                       sorted[i].name() +
-                      "; expected one slice at each place (more than one volume?)";
+                      "; expected one slice at each position; the series may have several volumes";
       stack.is_at_one_place = true;
       return stack;
     }
@@ -410,7 +410,7 @@ std::string DicomSeries::description() const {
 }
 
 std::vector<DicomSeries> series_of(std::vector<DicomFrame> frames) {
-  // Writers that give every frame a stack of its own mean none.
+  // If a writer gives every frame a stack of its own, the stacks have no meaning.
   std::set<std::string> stacks;
   for (const DicomFrame& frame : frames) {
     stacks.insert(frame.stack);

@@ -107,7 +107,8 @@ std::string header_text(const fs::path& path, bool (*is_whole)(std::string_view 
       return text;
     }
   }
-  throw bad_file(path, "has no end of its header in the first " + std::to_string(kMost) + " bytes");
+  throw bad_file(
+      path, "has a header that does not end within the first " + std::to_string(kMost) + " bytes");
 }
 
 }  // namespace isoatlas::detail::io

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -46,7 +45,7 @@ class BinaryReader final : public PieceReader {
   void skip(std::uint64_t samples) override {
     const std::uint64_t bytes = samples * sample_bytes_;
     if (piece_.packing == Packing::none) {
-      source_.reset();  // opened behind them where that is worth it
+      source_.reset();  // opened again after the skipped samples when they are read
       position_ += bytes;
       return;
     }
@@ -88,12 +87,12 @@ class BinaryReader final : public PieceReader {
   std::optional<ByteSource> source_;
 };
 
-/// Words of any length up to a limit, from a stream of any length.
+/// Reads words up to a maximum length from a stream of any length.
 class WordSource {
  public:
   explicit WordSource(ByteSource source) : source_(std::move(source)), text_(kChunk, '\0') {}
 
-  /// The next word, good until the next call; empty at the end.
+  /// The next word, valid until the next call; empty at the end.
   std::string_view next() {
     constexpr std::string_view kSeparators = " \t\r\n\v\f,";
     for (;;) {
@@ -184,9 +183,8 @@ class TextReader final : public PieceReader {
   std::string_view next() {
     const std::string_view word = words_.next();
     if (word.empty()) {
-      throw bad_file(file_, "is cut off or damaged: the header states " +
-                                std::to_string(stated_) + " numbers, the file has " +
-                                std::to_string(position_));
+      throw bad_file(file_, "is cut off or damaged: the header states " + std::to_string(stated_) +
+                                " numbers, the file has " + std::to_string(position_));
     }
     ++position_;
     return word;
@@ -232,7 +230,7 @@ class HexadecimalReader final : public PieceReader {
   }
 
  private:
-  // The next character that is no blank.
+  // The next character that is not blank.
   std::optional<char> next_character() {
     for (;;) {
       if (begin_ == end_) {
@@ -271,8 +269,8 @@ class HexadecimalReader final : public PieceReader {
   std::size_t begin_ = 0, end_ = 0;
 };
 
-// No more comes out of a byte: 1032 bytes of deflate's, and 45.9 MB (runs of 255) of the 33 bytes
-// that a bzip2 block takes at least.
+// The largest number of bytes that one compressed byte can produce: 1032 for deflate, and 45.9 MB
+// (runs of 255) for the smallest bzip2 block of 33 bytes.
 std::uint64_t most_per_byte(Packing packing) {
   return packing == Packing::bzip2 ? 2'000'000 : 1100;
 }
@@ -296,7 +294,7 @@ void require_possible_piece(const SamplePiece& piece, const SampleFormat& format
   const std::uint64_t file_bytes = readable_file_size(piece.file);
   const std::uint64_t packed = file_bytes - std::min(piece.offset, file_bytes);
   const std::uint64_t stated = samples * bytes_per_sample(format.type);
-  // A number takes a digit and a blank, in hexadecimal two digits a byte.
+  // A number in text takes at least a digit and a blank; a hexadecimal byte takes two digits.
   const bool is_text = format.encoding == SampleEncoding::text;
   const std::uint64_t needed = is_text ? samples : stated;
   if (piece.packing != Packing::none) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legacy VTK, by hand: ITK takes cell data for point data and does not notice missing samples, and
-// VTK returns what was in memory for those.
+// Legacy VTK, read without a library: ITK takes cell data for point data and does not detect
+// missing samples, and VTK returns uninitialised memory for them.
 #include <string>
 
 #include "files/byte_source.h"

@@ -14,13 +14,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Bytes after the samples are counted up to here only: a warning needs no more.
+// The number of bytes after the samples that are counted at most: a warning needs no more.
 constexpr std::uint64_t kMostCounted = std::uint64_t{1} << 20;
 
-// They are listed for a choice.
+// The largest number of volumes, which are listed for a choice.
 constexpr std::uint64_t kMostVolumes = 1'000'000;
 
-// Of bzip2, for a file of zeros.
+// The largest compression ratio of bzip2, for a file of zeros.
 constexpr std::uint64_t kMostPerBzip2Byte = 2'000'000;
 
 std::uint64_t all_bytes(const StoredVolumes& stored) {
@@ -121,7 +121,7 @@ float float_of_half(std::uint16_t half) {
   const std::uint32_t sign = static_cast<std::uint32_t>(half >> 15) << 31;
   const std::uint32_t exponent = half >> kFractionBits & kLargestExponent;
   const std::uint32_t fraction = half & ((1U << kFractionBits) - 1);
-  if (exponent == 0) {  // zero or subnormal: the fraction counts steps of 2^-24
+  if (exponent == 0) {  // zero or subnormal: fraction * 2^-24
     return std::bit_cast<float>(
         sign | std::bit_cast<std::uint32_t>(static_cast<float>(fraction) * 0x1p-24F));
   }

@@ -40,7 +40,7 @@ std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& so
   }
   if (pages.size() < tiff.page_count()) {
     source.decisions.push_back({"previews", std::to_string(tiff.page_count() - pages.size()) +
-                                                " reduced pages or masks left out"});
+                                                " reduced pages or masks ignored"});
   }
   return pages;
 }

@@ -19,7 +19,7 @@ std::string place_of(const std::array<std::size_t, 3>& at) {
          std::to_string(at[2]) + ")";
 }
 
-// Infinite where only one of them is a number.
+// The absolute difference; infinite if only one of the two is a number.
 double difference(SampleType type, const std::byte* a, const std::byte* b) {
   return visit_sample_type(type, [&](auto* sample) {
     std::remove_const_t<std::remove_pointer_t<decltype(sample)>> x{}, y{};
@@ -95,7 +95,7 @@ void PieceAssembly::finish(VolumeSource& source) const {
   if (largest_difference_ == 0) {
     return;
   }
-  constexpr double kRounding = 1e-5;  // of the range of all samples
+  constexpr double kRounding = 1e-5;  // times the range of all samples
   const SampleSummary summary = summarize({{.size = size_}, type_, samples_});
   if (!(largest_difference_ <= kRounding * (summary.maximum - summary.minimum))) {
     throw bad_file(path_, "its pieces contradict each other: two of them differ by " +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volume files that are wrong: each gives one clear line, none a volume of zeros, a crash or a
+// Invalid volume files: each gives one clear line, and never a volume of zeros, a crash or a long
 // wait.
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace isoatlas::detail::test {
 namespace {
 
-// 16 x 12 x 10 samples of noise, so that no compressor makes them small.
+// 16 x 12 x 10 samples of noise, which no compressor makes much smaller.
 constexpr std::size_t kSamples = 16 * 12 * 10;
 
 std::string noise() {
@@ -103,7 +103,7 @@ struct TiffPage {
   std::string samples;
 };
 
-// A little-endian TIFF, by hand: each page's samples, then its directory.
+// A little-endian TIFF, written by hand: each page's samples, followed by its directory.
 std::string tiff(const std::vector<TiffPage>& pages, std::uint32_t bits = 8,
                  std::uint32_t values_per_sample = 1) {
   std::string file("II*\0\0\0\0\0", 8);
@@ -166,17 +166,17 @@ struct BadFile {
   std::string name;
   std::string bytes;
   ErrorCode code;
-  std::string says;
+  std::string message;
 };
 
 void expect_all_errors(const std::vector<BadFile>& files) {
   for (const BadFile& file : files) {
     const TempFolder folder;
-    SCOPED_TRACE(file.name + ", " + file.says);
+    SCOPED_TRACE(file.name + ", " + file.message);
     write_bytes(folder / file.name, file.bytes);
     testing::internal::CaptureStderr();
     testing::internal::CaptureStdout();
-    expect_error(file.code, file.says, folder / file.name,
+    expect_error(file.code, file.message, folder / file.name,
                  [&] { read_volume(folder / file.name); });
     EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
@@ -186,7 +186,7 @@ void expect_all_errors(const std::vector<BadFile>& files) {
 constexpr ErrorCode kBad = ErrorCode::bad_file;
 constexpr ErrorCode kUnsupported = ErrorCode::unsupported;
 
-TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
+TEST(BadVolumes, WholeFilesAreRead) {  // otherwise the tests below would prove nothing
   const TempFolder folder;
   const std::string gz = gzipped(noise(), true), z = gzipped(noise(), false);
   const std::vector<std::pair<std::string, std::string>> files{
@@ -199,7 +199,7 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
       {"a.nii", nifti_header() + noise()},
       {"a.nii.gz", gzipped(nifti_header() + noise(), true)},
       {"plain.nii.gz",
-       nifti_header() + noise()},  // a wrong name that the NIfTI library does not mind
+       nifti_header() + noise()},  // a wrong extension, which the NIfTI library accepts
       {"a.vtk", vtk(noise())},
       {"b.vtk", vtk(as_text(noise()), "ASCII")},
       {"a.tif", tiff(tiff_pages())},
@@ -212,14 +212,14 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
   }
 }
 
-TEST(BadVolumes, PackedFilesSayHowToUnpackThem) {
+TEST(BadVolumes, ErrorsAboutCompressedFilesNameTheDecompressor) {
   const TempFolder folder;
   write_bytes(folder / "a.tif.gz", gzipped(tiff(tiff_pages())));
   expect_error(kUnsupported, "is a gzipped TIFF file, expected it decompressed (gunzip)",
                folder / "a.tif.gz", [&] { read_volume(folder / "a.tif.gz"); });
   expect_all_errors(
       {{"a.vtk.bz2", "BZh91AY&SY.....", kUnsupported,
-        "is compressed by bzip2 (to be decompressed first: bunzip2)"},
+        "is compressed by bzip2 (decompress it first: bunzip2)"},
        {"a.nii.xz",
         std::string("\xFD"
                     "7zXZ\0....",
@@ -297,8 +297,7 @@ TEST(BadVolumes, MetaImage) {
   const std::string z = gzipped(noise(), false);
   const std::string text = "BinaryData = False\n";
   expect_all_errors(
-      {{"raw.mha", meta(cut(noise(), 1)), kBad,
-        "states 1920 bytes of samples, the file has 1919"},
+      {{"raw.mha", meta(cut(noise(), 1)), kBad, "states 1920 bytes of samples, the file has 1919"},
        {"none.mha", meta(""), kBad, "the file has 0"},
        {"cut.mha", packed_meta(cut(z, 100), z.size()), kBad, "is cut off"},
        {"cut2.mha", packed_meta(cut(z, 100), z.size() - 100), kBad, "is cut off"},
@@ -333,9 +332,9 @@ TEST(BadVolumes, DetachedDataFiles) {
   write_bytes(folder / "whole.raw", noise());
   write_bytes(folder / "short.gz", cut(gzipped(noise(), true), 20));
   const auto expect = [&](const std::string& name, const std::string& header,
-                          const std::string& says) {
+                          const std::string& message) {
     write_bytes(folder / name, header);
-    expect_error(kBad, says, folder / name, [&] { read_volume(folder / name); });
+    expect_error(kBad, message, folder / name, [&] { read_volume(folder / name); });
   };
   expect("short.mhd", meta("", "", "16 12 10", "short.raw"), "short.raw: is cut off");
   expect("skip.mhd", meta("", "HeaderSize = 100\n", "16 12 10", "whole.raw"), "the file has 1820");
@@ -414,7 +413,8 @@ TEST(BadVolumes, LegacyVtk) {
 
 TEST(BadVolumes, Tiff) {
   const std::string whole = tiff(tiff_pages());
-  // Wherever it is cut, also where a directory ends and only the link to the next page is gone.
+  // Cut at any place, also where the file ends after a directory and only the link to the next page
+  // is missing.
   for (const std::size_t missing : {314U, 313U, 312U, 311U}) {
     expect_all_errors({{"link.tif", cut(whole, missing), kBad, "cut off or damaged"}});
   }
