@@ -132,9 +132,9 @@ class OmeImage {
       const std::size_t length = axis == 'C'   ? stack_.channels
                                  : axis == 'Z' ? stack_.slices
                                                : stack_.times;
-      const std::size_t place = index + steps;
-      index = place % length;
-      steps = place / length;
+      const std::size_t total = index + steps;
+      index = total % length;
+      steps = total / length;
     }
     return steps == 0 ? std::optional(plane) : std::nullopt;
   }

@@ -72,9 +72,9 @@ std::string shape_text(const std::vector<std::size_t>& shape) {
 // shape does not match the pages.
 std::optional<Series> axes_of_pages(Series series, const PageFormat& page,
                                     const std::filesystem::path& path) {
-  const auto drop = [&](std::size_t place) {
-    series.shape.erase(series.shape.begin() + static_cast<std::ptrdiff_t>(place));
-    if (place < series.axes.size()) series.axes.erase(place, 1);
+  const auto drop = [&](std::size_t index) {
+    series.shape.erase(series.shape.begin() + static_cast<std::ptrdiff_t>(index));
+    if (index < series.axes.size()) series.axes.erase(index, 1);
   };
   if (series.axes.size() != series.shape.size()) {
     series.axes.clear();
@@ -96,8 +96,8 @@ std::optional<Series> axes_of_pages(Series series, const PageFormat& page,
   }
   drop(n - 1);
   drop(n - 2);
-  for (std::size_t place = series.shape.size(); place-- > 0;) {
-    if (series.shape[place] == 1) drop(place);
+  for (std::size_t index = series.shape.size(); index-- > 0;) {
+    if (series.shape[index] == 1) drop(index);
   }
   return series;
 }
@@ -163,9 +163,9 @@ bool set_axes(const Series& series, const std::filesystem::path& path,
 TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSource& source) {
   TiffStack stack;
   std::vector<Series> list;  // each page with a shape begins a series
-  std::vector<std::size_t> pages = pages_without_previews(tiff, source, [&](std::size_t place) {
+  std::vector<std::size_t> pages = pages_without_previews(tiff, source, [&](std::size_t index) {
     if (std::optional<Series> series = series_of(tiff.description())) {
-      series->first_page = place;
+      series->first_page = index;
       list.push_back(std::move(*series));
     }
     if (!list.empty()) {

@@ -59,8 +59,8 @@ void set_geometry(const std::vector<Axis>& axes, TiffStack& stack, VolumeSource&
   stack.unit = length_unit_named(axes[0].unit);
   bool is_scaled = stack.unit != LengthUnit::unknown;
   for (const Axis& axis : axes) {
-    const std::size_t place = std::string("XYZ").find(axis.name);
-    if (place == std::string::npos || !axis.scale) continue;
+    const std::size_t index = std::string("XYZ").find(axis.name);
+    if (index == std::string::npos || !axis.scale) continue;
     const LengthUnit unit = length_unit_named(axis.unit);
     const bool is_convertible = unit != LengthUnit::unknown && stack.unit != LengthUnit::unknown;
     if (!is_convertible && axis.unit != axes[0].unit) {
@@ -68,7 +68,7 @@ void set_geometry(const std::vector<Axis>& axes, TiffStack& stack, VolumeSource&
                                          "' and its X axis in '" + axes[0].unit +
                                          "'; the numbers are used without conversion"));
     }
-    stack.spacing[place] = *axis.scale * (is_convertible ? metres(unit) / metres(stack.unit) : 1);
+    stack.spacing[index] = *axis.scale * (is_convertible ? metres(unit) / metres(stack.unit) : 1);
     is_scaled = is_scaled || *axis.scale != 1;
   }
   if (!is_scaled) {

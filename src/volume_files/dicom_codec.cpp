@@ -190,14 +190,14 @@ std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& 
   std::vector<std::uint32_t> sorted_offsets = offsets;
   std::ranges::sort(sorted_offsets);
   for (std::size_t i = 0; i < fragments.size(); ++i) {
-    const std::uint64_t place = fragments[i].offset - fragments[0].offset;
+    const std::uint64_t fragment_offset = fragments[i].offset - fragments[0].offset;
     const std::string_view start =
         fragments[i].bytes >= 4 ? bytes.at(fragments[i].offset, 4) : std::string_view();
     const bool starts_image = start.starts_with("\xFF\xD8\xFF") || start == kCodestreamStart;
-    const bool starts_frame =
-        i == 0 || fragments.size() == image.frames ||
-        (offsets.size() == image.frames ? std::ranges::binary_search(sorted_offsets, place)
-                                        : starts_image);
+    const bool starts_frame = i == 0 || fragments.size() == image.frames ||
+                              (offsets.size() == image.frames
+                                   ? std::ranges::binary_search(sorted_offsets, fragment_offset)
+                                   : starts_image);
     is_clear = is_clear && (starts_frame || !starts_image);
     if (starts_frame) {
       frames.emplace_back();

@@ -81,7 +81,7 @@ struct Header {
 
 // Reasons to stop before the end of the pixel data. Thrown inside this file only.
 struct CutOff {};
-struct Senseless {};
+struct InvalidElements {};
 
 class Parser {
  public:
@@ -97,7 +97,7 @@ class Parser {
     while (position_ + 2 <= bytes_.size() && group_at(position_, false) == 0x0002) {
       const Header header = next_header();
       if (header.length == kUndefinedLength) {
-        throw Senseless{};
+        throw InvalidElements{};
       }
       if (header.tag == kTransferSyntax) {
         contents_.transfer_syntax = std::string(dicom_trimmed(value(header.length)));
@@ -243,7 +243,7 @@ class Parser {
 
   void parse_items(std::uint32_t length, std::vector<DicomDataSet>& items, int depth) {
     if (depth > kDeepestNesting) {
-      throw Senseless{};
+      throw InvalidElements{};
     }
     const std::uint64_t end = end_of(length);
     while (position_ < end) {
@@ -252,7 +252,7 @@ class Parser {
         return;
       }
       if (header.tag != kItem) {
-        throw Senseless{};
+        throw InvalidElements{};
       }
       items.emplace_back();
       parse_item(header.length, items.back(), depth);
@@ -287,7 +287,7 @@ class Parser {
       throw CutOff{};  // the delimiter is missing
     }
     if (position_ != end) {
-      throw Senseless{};
+      throw InvalidElements{};
     }
   }
 
@@ -310,7 +310,7 @@ class Parser {
     bool is_offset_table = true;
     for (Header item = next_header(); item.tag != kSequenceEnd; item = next_header()) {
       if (item.tag != kItem || item.length == kUndefinedLength) {
-        throw Senseless{};
+        throw InvalidElements{};
       }
       const std::uint64_t start = position_;
       if (is_offset_table) {
@@ -423,7 +423,7 @@ DicomBytes open_dicom(const fs::path& path, std::uint64_t max_memory) {
     std::uint64_t start = 0;
     return open_with_start(path, max_memory, contents, start);
   } catch (const CutOff&) {
-  } catch (const Senseless&) {
+  } catch (const InvalidElements&) {
   }
   throw bad_file(path, "has changed while it was read");
 }
@@ -437,7 +437,7 @@ DicomContents read_dicom_contents(const fs::path& path, std::uint64_t max_memory
     Parser(bytes, contents).parse_data_set(start);
   } catch (const CutOff&) {
     contents.is_cut_off = true;
-  } catch (const Senseless&) {
+  } catch (const InvalidElements&) {
     throw bad_file(path, "is damaged: its data elements are not valid");
   }
   return contents;

@@ -123,10 +123,10 @@ class ImageReading {
     std::vector<DicomFrame> all;
     if (image_.frames == 1 || groups != 0) {
       for (std::size_t i = 0; i < image_.frames; ++i) {
-        all.push_back(frame_with_place(i));
+        all.push_back(frame_with_position(i));
       }
     } else {
-      all = frames_without_places();
+      all = frames_without_positions();
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
       const FrameAttributes attributes(file_, i);
@@ -253,7 +253,7 @@ class ImageReading {
   }
 
   // Reads a frame whose position and orientation are stated.
-  DicomFrame frame_with_place(std::size_t number) {
+  DicomFrame frame_with_position(std::size_t number) {
     const FrameAttributes attributes(file_, number);
     DicomFrame frame;
     frame.number = number;
@@ -270,11 +270,11 @@ class ImageReading {
   }
 
   static void set_position(const std::vector<double>& position, DicomFrame& frame) {
-    const std::optional<Vec3> place = vector_in(position, 0);
-    if (!place) {
+    const std::optional<Vec3> stated_position = vector_in(position, 0);
+    if (!stated_position) {
       throw Unusable{"has no position (ImagePositionPatient)"};
     }
-    frame.position = *place;
+    frame.position = *stated_position;
   }
 
   void read_orientation(const FrameAttributes& attributes, DicomFrame& frame) {
@@ -343,7 +343,7 @@ class ImageReading {
   }
 
   // Reads frames that follow each other along the normal, from one position that the file states.
-  std::vector<DicomFrame> frames_without_places() {
+  std::vector<DicomFrame> frames_without_positions() {
     const FrameAttributes attributes(file_, 0);
     const bool is_nuclear = image_.sop_class == kNuclearClass;
     const DicomDataSet* detector = is_nuclear ? file_.first_item(kDetectorInformation) : nullptr;
@@ -362,18 +362,18 @@ class ImageReading {
     set_position(plane.numbers(kImagePosition), first);
     read_spacing(attributes, first);
     std::vector<DicomFrame> all(image_.frames, first);
-    const std::vector<Vec3> places =
-        file_.has(kGridFrameOffsets) ? places_by_offsets(first) : places_by_spacing(first);
+    const std::vector<Vec3> positions =
+        file_.has(kGridFrameOffsets) ? positions_by_offsets(first) : positions_by_spacing(first);
     for (std::size_t i = 0; i < all.size(); ++i) {
       all[i].number = i;
-      all[i].position = places[i];
+      all[i].position = positions[i];
     }
     return all;
   }
 
   // Reads the frames of a dose grid. The offsets start at 0, or are coordinates along the patient's
   // z axis.
-  std::vector<Vec3> places_by_offsets(const DicomFrame& first) {
+  std::vector<Vec3> positions_by_offsets(const DicomFrame& first) {
     constexpr double kSamePlace = 1e-3;
     const std::vector<double> offsets = file_.numbers(kGridFrameOffsets);
     if (offsets.size() != image_.frames) {
@@ -385,17 +385,17 @@ class ImageReading {
       throw Unusable{"has a GridFrameOffsetVector that starts at " + dicom_number(offsets[0]) +
                      ", expected 0 or its position's z, " + dicom_number(first.position.z)};
     }
-    image_.frame_places = are_coordinates ? "GridFrameOffsetVector (z coordinates)"
-                                          : "GridFrameOffsetVector (from the first frame)";
-    std::vector<Vec3> places;
+    image_.position_source = are_coordinates ? "GridFrameOffsetVector (z coordinates)"
+                                             : "GridFrameOffsetVector (from the first frame)";
+    std::vector<Vec3> positions;
     for (const double offset : offsets) {
-      places.push_back(are_coordinates ? Vec3{first.position.x, first.position.y, offset}
-                                       : moved(first.position, unit_normal(first), offset));
+      positions.push_back(are_coordinates ? Vec3{first.position.x, first.position.y, offset}
+                                          : moved(first.position, unit_normal(first), offset));
     }
-    return places;
+    return positions;
   }
 
-  std::vector<Vec3> places_by_spacing(const DicomFrame& first) {
+  std::vector<Vec3> positions_by_spacing(const DicomFrame& first) {
     const std::vector<DicomTag> pointers = file_.tags(kFrameIncrementPointer);
     const bool is_cine = std::ranges::any_of(
         pointers, [](DicomTag tag) { return tag == kFrameTime || tag == kFrameTimeVector; });
@@ -411,13 +411,13 @@ class ImageReading {
       throw Unusable{"has " + std::to_string(image_.frames) + " frames, but a SliceVector of " +
                      std::to_string(slices.size())};
     }
-    image_.frame_places = "SpacingBetweenSlices " + dicom_number(*spacing);
-    std::vector<Vec3> places;
+    image_.position_source = "SpacingBetweenSlices " + dicom_number(*spacing);
+    std::vector<Vec3> positions;
     for (std::size_t i = 0; i < image_.frames; ++i) {
       const double slice = slices.empty() ? static_cast<double>(i) : slices[i] - 1;
-      places.push_back(moved(first.position, unit_normal(first), *spacing * slice));
+      positions.push_back(moved(first.position, unit_normal(first), *spacing * slice));
     }
-    return places;
+    return positions;
   }
 
   // The other lists that describe the frames of a nuclear medicine image.
@@ -566,9 +566,10 @@ class ImageReading {
     const std::vector<DicomDataSet>& dimensions = file_.items(kDimensionIndices);
     for (std::size_t i = 0; i < std::min(indices.size(), dimensions.size()); ++i) {
       const std::vector<DicomTag> pointers = dimensions[i].tags(kDimensionIndexPointer);
-      constexpr std::array kPlaces{kStackId, kInStackPosition, kImagePosition,
-                                   kImagePositionVolume};
-      if (!pointers.empty() && std::ranges::find(kPlaces, pointers.front()) == kPlaces.end()) {
+      constexpr std::array kPositionTags{kStackId, kInStackPosition, kImagePosition,
+                                         kImagePositionVolume};
+      if (!pointers.empty() &&
+          std::ranges::find(kPositionTags, pointers.front()) == kPositionTags.end()) {
         const std::string label = dicom_text(dimensions[i].text(kDimensionLabel));
         labels_.push_back({label.empty() ? "dimension " + std::to_string(i) : label,
                            dicom_number(indices[i]), Kind::time});

@@ -44,8 +44,8 @@ struct DicomImage {
   bool is_inverted_display = false;  ///< MONOCHROME1
   std::string padding;  ///< the pixel padding value, as a number; empty if there is none
   std::vector<std::string> warnings;  ///< issued if this image is read
-  std::string frame_places;  ///< the source of the frames' positions if the frames state none, e.g.
-                             ///< an attribute's name
+  std::string position_source;  ///< the source of the frames' positions if the frames state none,
+                                ///< e.g. an attribute's name
   std::string
       damage;  ///< why its samples cannot be read although its attributes can; empty if they can
 };

@@ -17,11 +17,11 @@ namespace {
 
 // The largest offset of a slice from its regular position, as a fraction of the slice distance:
 // positions are written with few digits. A missing slice causes an offset of 1.
-constexpr double kPlaceTolerance = 0.1;
+constexpr double kPositionTolerance = 0.1;
 constexpr double kGapTolerance = 0.5;
 constexpr double kSameDirectionTolerance = 1e-3;
 // Slices whose distance is below this fraction of a pixel have the same position.
-constexpr double kSamePlaceTolerance = 1e-2;
+constexpr double kSamePositionTolerance = 1e-2;
 
 Vec3 difference(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 double length(const Vec3& v) { return std::hypot(v.x, v.y, v.z); }
@@ -35,9 +35,9 @@ Vec3 unit(const Vec3& v) {
   return {v.x / size, v.y / size, v.z / size};
 }
 
-bool have_same_place(const DicomFrame& a, const DicomFrame& b) {
+bool have_same_position(const DicomFrame& a, const DicomFrame& b) {
   return length(difference(a.position, b.position)) <=
-         kSamePlaceTolerance * std::min(a.spacing_x, a.spacing_y);
+         kSamePositionTolerance * std::min(a.spacing_x, a.spacing_y);
 }
 
 // Orders numbers by value and texts by alphabet, numbers first: "2" precedes "10".
@@ -90,14 +90,15 @@ std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& s
   Vec3 offset;  // of the worst slice, from its position in an even stack
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto steps = static_cast<double>(i);
-    const Vec3 place{step.x * steps, step.y * steps, step.z * steps};
-    const Vec3 found = difference(difference(frames[i].position, frames.front().position), place);
+    const Vec3 expected{step.x * steps, step.y * steps, step.z * steps};
+    const Vec3 found =
+        difference(difference(frames[i].position, frames.front().position), expected);
     if (length(found) > length(offset)) {
       worst = i;
       offset = found;
     }
   }
-  if (length(offset) <= kPlaceTolerance * length(step)) {
+  if (length(offset) <= kPositionTolerance * length(step)) {
     return {};
   }
   const double along = std::abs(dot(offset, unit(step)));
@@ -142,10 +143,10 @@ std::map<std::string, std::vector<DicomFrame>, Before> parts_by(
 
 // True if two volumes have nearly the same position. A volume may move a little between two times,
 // with the patient or by the scanner's motion correction.
-bool have_near_places(const DicomStack& a, const DicomStack& b) {
+bool have_similar_positions(const DicomStack& a, const DicomStack& b) {
   constexpr double kNear = 0.75;  // times the slice distance
   const auto are_near = [&](const DicomFrame& slice, const DicomFrame& other) {
-    return have_same_place(slice, other) ||
+    return have_same_position(slice, other) ||
            length(difference(slice.position, other.position)) <= kNear * length(a.step);
   };
   return std::ranges::equal(a.frames, b.frames, are_near);
@@ -167,7 +168,7 @@ bool is_split_in_time(const Split& split) {
   return split.volumes.size() > 1 &&
          std::ranges::all_of(split.volumes, [&](const DicomStack& volume) {
            return volume.frames.size() > 1 && volume.problem.empty() &&
-                  have_near_places(volume, split.volumes.front());
+                  have_similar_positions(volume, split.volumes.front());
          });
 }
 
@@ -228,21 +229,21 @@ std::optional<Split> split_in_space(const std::vector<DicomFrame>& frames,
 
 // Splits frames by their order: no attribute distinguishes the volumes, but they follow each other
 // in the order in which frames are numbered.
-std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t places) {
+std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t positions) {
   const auto number = [](const DicomFrame& frame) {
     return std::pair(frame.image->instance_number, frame.number);
   };
   std::ranges::sort(frames, {}, number);
   const bool is_one_file = std::ranges::all_of(
       frames, [&](const DicomFrame& frame) { return frame.image == frames.front().image; });
-  if (places == 0 || frames.size() % places != 0 ||
+  if (positions == 0 || frames.size() % positions != 0 ||
       std::ranges::adjacent_find(frames, {}, number) != frames.end()) {
     return std::nullopt;
   }
   Split split;
-  for (std::size_t first = 0; first < frames.size(); first += places) {
+  for (std::size_t first = 0; first < frames.size(); first += positions) {
     const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(first),
-               end = begin + static_cast<std::ptrdiff_t>(places);
+               end = begin + static_cast<std::ptrdiff_t>(positions);
     const auto shown = [&](const DicomFrame& frame) {
       return is_one_file ? std::to_string(frame.number + 1)
                          : std::to_string(frame.image->instance_number);
@@ -254,12 +255,12 @@ std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t p
   return is_split_in_time(split) ? std::optional(split) : std::nullopt;
 }
 
-std::size_t count_places(const DicomStack& sorted) {
-  std::size_t places = 1;
+std::size_t count_positions(const DicomStack& sorted) {
+  std::size_t positions = 1;
   for (std::size_t i = 1; i < sorted.frames.size(); ++i) {
-    places += have_same_place(sorted.frames[i], sorted.frames[i - 1]) ? 0 : 1;
+    positions += have_same_position(sorted.frames[i], sorted.frames[i - 1]) ? 0 : 1;
   }
-  return places;
+  return positions;
 }
 
 /// Frames whose image planes allow them to be one volume.
@@ -322,8 +323,8 @@ void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
       })) {
     in_space.reset();
   }
-  if (whole.is_at_one_place && !in_time && !in_space) {
-    in_time = split_by_runs(whole.frames, count_places(whole));
+  if (whole.has_equal_positions && !in_time && !in_space) {
+    in_time = split_by_runs(whole.frames, count_positions(whole));
   }
   if (in_time) {
     all.push_back({{}, std::move(in_time->volumes), std::move(in_time->names)});
@@ -369,11 +370,11 @@ DicomStack stack_of(std::vector<DicomFrame> frames) {
   std::ranges::stable_sort(sorted, {},
                            [&](const DicomFrame& frame) { return dot(normal, frame.position); });
   for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (have_same_place(sorted[i - 1], sorted[i])) {
+    if (have_same_position(sorted[i - 1], sorted[i])) {
       stack.problem = "has two slices at one position: " + sorted[i - 1].name() + ", " +
                       sorted[i].name() +
                       "; expected one slice at each position; the series may have several volumes";
-      stack.is_at_one_place = true;
+      stack.has_equal_positions = true;
       return stack;
     }
   }

@@ -15,8 +15,8 @@ struct DicomStack {
   std::vector<DicomFrame> frames;
   Vec3 step;  ///< from slice to slice; not perpendicular to the slices if the CT gantry is tilted:
               ///< the grid is then sheared
-  std::string problem;           ///< why the frames are not a volume; empty if they are one
-  bool is_at_one_place = false;  ///< the problem is that several frames have the same position
+  std::string problem;               ///< why the frames are not a volume; empty if they are one
+  bool has_equal_positions = false;  ///< the problem is that several frames have the same position
 };
 
 DicomStack stack_of(std::vector<DicomFrame> frames);

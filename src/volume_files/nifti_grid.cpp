@@ -25,7 +25,7 @@ namespace {
 constexpr double kRounding = 1e-5;
 
 // Positions of a sample that differ by at most this, in voxels, are equal.
-constexpr double kSamePlace = 1e-4;
+constexpr double kSamePosition = 1e-4;
 
 // sform and qform disagree if positions of a sample differ by more than this, in voxels. A
 // quaternion in single precision near a half turn can be off by as much over 300 voxels.
@@ -159,7 +159,7 @@ Affine sform_or_its_equal(const NiftiHeader& header, const Affine& sform, Volume
   const double distance = qform ? disagreement(sform, *qform, header) : 0;
   // If both are the same, the qform has perpendicular axes, unless the sform is the scanner's own,
   // which was rounded less.
-  if (qform && distance <= kSamePlace && header.sform_code != kScannerCode) {
+  if (qform && distance <= kSamePosition && header.sform_code != kScannerCode) {
     source.decisions.push_back({"affine", "qform, which equals the sform"});
     return *qform;
   }

@@ -92,7 +92,7 @@ std::array<Vec3, 3> orthogonal_axes(const DicomFrame& frame) {
 
 void require_readable(const fs::path& path, const DicomStack& stack) {
   if (!stack.problem.empty()) {
-    throw Error(stack.is_at_one_place ? ErrorCode::unsupported : ErrorCode::bad_file,
+    throw Error(stack.has_equal_positions ? ErrorCode::unsupported : ErrorCode::bad_file,
                 one_line(path.string() + ": " + stack.problem, 2000));
   }
   const DicomFrame& first = stack.frames.front();
@@ -137,7 +137,7 @@ void add_decisions(const DicomSeries& series, const std::vector<DicomFrame>& fra
                        (image.rescale_type.empty() ? "" : " (" + image.rescale_type + ")"));
   }
   add("slices",
-      image.frame_places.empty() ? "by ImagePositionPatient" : "by " + image.frame_places);
+      image.position_source.empty() ? "by ImagePositionPatient" : "by " + image.position_source);
   add("compression", image.pixels.is_compressed ? compression_name(image.transfer_syntax) : "");
   add("lossy", image.is_lossy ? "the image was compressed with loss" : "");
   add("photometric interpretation",

@@ -128,7 +128,7 @@ std::uint64_t samples_offset(const NiftiHeader& header, const fs::path& header_f
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", offset);
   throw bad_file(header_file, "its samples begin at byte " + std::string(text) +
-                                  " by vox_offset, expected a place after the header");
+                                  " by vox_offset, expected an offset after the header");
 }
 
 std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {

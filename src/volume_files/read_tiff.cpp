@@ -227,11 +227,11 @@ Volume read_slices(TiffFile& tiff, const TiffStack& stack, const PageFormat& pag
       stack.rescale ? static_cast<std::size_t>(size[0] * size[1] * bytes_per_sample(page.type()))
                     : 0);
   for (std::size_t slice = 0; slice < stack.slices; ++slice) {
-    std::byte* const place = samples.get() + slice * slice_bytes;
-    reader.read(selection, slice, stack.rescale ? stored.data() : place);
+    std::byte* const slice_samples = samples.get() + slice * slice_bytes;
+    reader.read(selection, slice, stack.rescale ? stored.data() : slice_samples);
     if (stack.rescale) {
       rescale_samples(page.type(), stored.data(), size[0] * size[1], stack.rescale->slope,
-                      stack.rescale->intercept, place);
+                      stack.rescale->intercept, slice_samples);
     }
   }
   volume.view.samples = samples.get();

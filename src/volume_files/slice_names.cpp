@@ -66,11 +66,11 @@ void require_alike(const fs::path& folder, const std::vector<SliceName>& names) 
 
 std::vector<std::size_t> varying_numbers(const std::vector<SliceName>& names) {
   std::vector<std::size_t> varying;
-  for (std::size_t place = 0; place < names.front().numbers.size(); ++place) {
+  for (std::size_t index = 0; index < names.front().numbers.size(); ++index) {
     if (std::ranges::any_of(names, [&](const SliceName& name) {
-          return name.numbers[place] != names.front().numbers[place];
+          return name.numbers[index] != names.front().numbers[index];
         })) {
-      varying.push_back(place);
+      varying.push_back(index);
     }
   }
   return varying;
@@ -81,8 +81,8 @@ std::vector<std::size_t> varying_numbers(const std::vector<SliceName>& names) {
 void require_rising(const fs::path& folder, const std::vector<SliceName>& names,
                     const std::vector<std::size_t>& varying) {
   for (std::size_t i = 1; i < names.size(); ++i) {
-    for (const std::size_t place : varying) {
-      if (is_below(names[i - 1].numbers[place], names[i].numbers[place])) continue;
+    for (const std::size_t index : varying) {
+      if (is_below(names[i - 1].numbers[index], names[i].numbers[index])) continue;
       if (varying.size() == 1) {
         throw bad_file(folder, "its images " + quoted(names[i - 1].path) + " and " +
                                    quoted(names[i].path) + " have the same number");
@@ -112,14 +112,14 @@ std::optional<std::uint64_t> difference(std::string_view from, std::string_view 
 }
 
 void require_even_steps(const fs::path& folder, const std::vector<SliceName>& names,
-                        std::size_t place) {
+                        std::size_t index) {
   std::optional<std::uint64_t> step;
   for (std::size_t i = 1; i < names.size(); ++i) {
-    const auto found = difference(names[i - 1].numbers[place], names[i].numbers[place]);
+    const auto found = difference(names[i - 1].numbers[index], names[i].numbers[index]);
     if (found && (!step || *found < *step)) step = found;
   }
   for (std::size_t i = 1; i < names.size(); ++i) {
-    const auto found = difference(names[i - 1].numbers[place], names[i].numbers[place]);
+    const auto found = difference(names[i - 1].numbers[index], names[i].numbers[index]);
     if (found && found != step) {
       throw bad_file(folder, "slices are missing between " + quoted(names[i - 1].path) + " and " +
                                  quoted(names[i].path) + ": elsewhere the numbers are " +

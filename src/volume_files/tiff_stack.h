@@ -67,6 +67,6 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source);
 /// @throws Error(unsupported) if there is none
 std::vector<std::size_t> pages_without_previews(
     TiffFile& tiff, VolumeSource& source,
-    const std::function<void(std::size_t place)>& at_page = {});
+    const std::function<void(std::size_t index)>& at_page = {});
 
 }  // namespace isoatlas::detail::io

@@ -59,14 +59,14 @@ void PieceAssembly::add(VtkValues& values, std::uint64_t components, std::uint64
       for (std::size_t i = 0; i < stored.size[0]; ++i, ++number) {
         const std::size_t x = stored.first[0] + i;
         if (is_wanted(0, x) && is_wanted(1, y) && is_wanted(2, z)) {
-          place({x, y, z}, row.data() + i * sample_bytes, !is_copy.empty() && is_copy[number]);
+          store({x, y, z}, row.data() + i * sample_bytes, !is_copy.empty() && is_copy[number]);
         }
       }
     }
   }
 }
 
-void PieceAssembly::place(const std::array<std::size_t, 3>& at, const std::byte* sample,
+void PieceAssembly::store(const std::array<std::size_t, 3>& at, const std::byte* sample,
                           bool is_copy) {
   const std::size_t index = index_of(at);
   const std::size_t sample_bytes = bytes_per_sample(type_);

@@ -43,7 +43,7 @@ class PieceAssembly {
  private:
   enum class State : std::uint8_t { missing, copied, original };
 
-  void place(const std::array<std::size_t, 3>& at, const std::byte* sample, bool is_copy);
+  void store(const std::array<std::size_t, 3>& at, const std::byte* sample, bool is_copy);
   std::size_t index_of(const std::array<std::size_t, 3>& at) const {
     return at[0] + size_[0] * (at[1] + size_[1] * at[2]);
   }

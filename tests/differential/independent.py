@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads volumes by independent programs: nibabel, pydicom, tifffile, pynrrd, mrcfile, VTK and numpy.
+"""Reads volumes by independent programs.
+
+They are nibabel, pydicom, tifffile, pynrrd, mrcfile, VTK and numpy.
 
 `read` returns samples indexed [x, y, z] and the 4 x 4 matrix from sample indices to the world in
 LPS. Lengths are in the unit that isoatlas uses for the format: millimetres for NIfTI and DICOM, the
@@ -110,8 +112,12 @@ def meta_image(path, **_):
     if fields.get("CompressedData", "False").lower() == "true":
         bytes_ = gzip.decompress(bytes_) if bytes_[:2] == b"\x1f\x8b" else zlib.decompress(bytes_)
     dtype = np.dtype(order + names[fields["ElementType"].strip()])
-    samples = np.frombuffer(bytes_[: int(np.prod(size)) * dtype.itemsize], dtype).reshape(size, order="F")
-    numbers = lambda key, default: np.array(fields[key].split(), float) if key in fields else default
+    samples = np.frombuffer(bytes_[: int(np.prod(size)) * dtype.itemsize], dtype)
+    samples = samples.reshape(size, order="F")
+
+    def numbers(key, default):
+        return np.array(fields[key].split(), float) if key in fields else default
+
     direction = numbers("TransformMatrix", np.eye(3).ravel()).reshape(3, 3).T
     origin = numbers("Offset", numbers("Origin", np.zeros(3)))
     return samples, matrix(numbers("ElementSpacing", np.ones(3)), origin, direction)
@@ -213,7 +219,8 @@ def dicom_frames(data):
         intercept = float(intercept or 0)
         if "DoseGridScaling" in data:
             slope, intercept = float(data.DoseGridScaling), 0.0
-        orientation = find("PlaneOrientationSequence", "ImageOrientationPatient", (1, 0, 0, 0, 1, 0))
+        default = (1, 0, 0, 0, 1, 0)
+        orientation = find("PlaneOrientationSequence", "ImageOrientationPatient", default)
         orientation = np.array(orientation, float)
         position = np.array(find("PlanePositionSequence", "ImagePositionPatient"), float)
         axes = (orientation[:3], orientation[3:])

@@ -102,7 +102,8 @@ def nrrd(folder):
     import nrrd as pynrrd
 
     spaces = ("left-posterior-superior", "right-anterior-superior", "left-anterior-superior")
-    for dtype, encoding, space in itertools.product(TYPES, ("raw", "gzip", "bzip2", "text"), spaces):
+    encodings = ("raw", "gzip", "bzip2", "text")
+    for dtype, encoding, space in itertools.product(TYPES, encodings, spaces):
         path = folder / f"r_{dtype}_{encoding}_{space[:7]}.nrrd"
         header = {
             "space": space,
