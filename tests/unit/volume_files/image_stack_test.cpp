@@ -207,7 +207,7 @@ TEST_F(ImageStack, ImageJsLengths) {
   EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.25, 0.25, 1}));
   EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_EQ(file.source.warnings,
-            std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
+            std::vector<std::string>{"states no voxel size along z; 1 um is assumed there"});
 }
 
 TEST_F(ImageStack, ImageJsSignedSamples) {

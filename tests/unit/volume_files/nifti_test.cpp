@@ -347,7 +347,7 @@ TEST_F(Nifti, SamplesBeginAtTheStatedOffset) {
   for (const float offset : {-16.0F, 100.0F, kNaN, 1e20F}) {
     header.vox_offset = offset;
     refuse(one_file(header, samples), ErrorCode::bad_file,
-           "by vox_offset, expected a place after the header");
+           "by vox_offset, expected an offset after the header");
   }
   header.vox_offset = 1e9F;
   refuse(one_file(header, samples), ErrorCode::bad_file,

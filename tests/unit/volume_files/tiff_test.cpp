@@ -111,7 +111,7 @@ TEST(TiffField, ImageJWritesNoSpacingOfOne) {
   EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_TRUE(file.source.has_spacing);
   EXPECT_EQ(file.source.warnings,
-            std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
+            std::vector<std::string>{"states no voxel size along z; 1 um is assumed there"});
 }
 
 TEST(TiffField, OmeLengths) {
@@ -222,7 +222,7 @@ TEST_F(Tiff, ImageJLengths) {
        {0.25, 0.25, 1},
        kMicro,
        true,
-       "states no voxel size along z, 1 um is assumed there"},
+       "states no voxel size along z; 1 um is assumed there"},
       {"", {5, 1}, 1, {0.2, 0.2, 1}, kUnknown, true, missing_z},
       {"",
        {300, 1},
@@ -545,7 +545,7 @@ TEST_F(Tiff, OmeLengthsAndUnits) {
   const VolumeFile flat = lengths(R"(PhysicalSizeX="0.2" PhysicalSizeY="0.3")");
   EXPECT_EQ(flat.volume.view.grid.spacing, (Vec3{0.2, 0.3, 1}));
   EXPECT_EQ(flat.source.warnings,
-            std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
+            std::vector<std::string>{"states no voxel size along z; 1 um is assumed there"});
   const VolumeFile angstrom = lengths(
       "PhysicalSizeX=\"2\" PhysicalSizeXUnit=\"\u00C5\" PhysicalSizeY=\"0.2\" "
       "PhysicalSizeYUnit=\"nm\" "
@@ -599,7 +599,7 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
          ErrorCode::unsupported,
          "is one of several files of an OME-TIFF: channel 0, slice 1, time 0 is in 'b.tif'");
   refuse(pages(2, ome(two, block(0, "urn:uuid:3", "c.tif") + block(1, "urn:uuid:2", "b.tif"), own)),
-         ErrorCode::unsupported, "they are in 'c.tif'");
+         ErrorCode::unsupported, "which are in 'c.tif'");
   // A file is identified by its UUID, so it may be renamed; a file without a UUID by its name.
   const auto whole = [](const std::string& file) {
     return "<TiffData IFD=\"0\" PlaneCount=\"2\"><UUID FileName=\"" + file +
