@@ -21,9 +21,7 @@ LEFT_OUT = ["docs/decisions", "docs/benchmarks.md"]
 GLOSSARY = "docs/glossary.md"
 
 # Areas that still use other words. Remove an area here when it is done.
-NOT_DONE = ["python", "docs/results.md", "docs/reference/formats.md", "bench", "src/files",
-            "src/volume_files", "src/mesh_files", "tests/data", "tests/differential", "tests/fuzz",
-            "tests/python", "tests/unit/files", "tests/unit/mesh_files", "tests/unit/volume_files"]
+NOT_DONE = ["python", "docs/results.md", "docs/reference/formats.md", "bench", "tests/python"]
 
 # What not to say -> what to say. Patterns see lower-case words separated by single blanks.
 WORDS = {
@@ -64,9 +62,12 @@ EXCEPTIONS = [
     ("docs/report.md", r"with Shift", "a key"),
     ("README.md", r"#what-the-readme-says", "a heading of a generated page"),
     ("docs/limits.md", r"#what-the-readme-says", "a heading of a generated page"),
+    ("src/volume_files/meta_image_header.cpp", r"MET_[A-Z]", "names of sample types in MetaImage"),
+    ("tests/differential/independent.py", r"MET_[A-Z]", "names of sample types in MetaImage"),
+    ("tests/unit/volume_files/", r"MET_[A-Z]", "names of sample types in MetaImage"),
     ("src/core/distance_queue.h", r"bucket", "the buckets of a radix heap"),
     ("apps/isoatlas/completion.cpp", r"shift words", "a builtin of zsh"),
-    ("tests/cli/cli_test.py", r"MET_UCHAR", "a word of MetaImage headers"),
+    ("tests/cli/cli_test.py", r"MET_[A-Z]", "names of sample types in MetaImage"),
     ("tests/unit/error/measure_test.cpp", r"/ rings, around", "two variables side by side"),
 ]
 

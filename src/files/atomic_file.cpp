@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Creates a file nobody else has, beside `target`. The name is short, so that it fits wherever the
-// target's name fits.
+// Creates a new file in the folder of `target`. Its name is short, so it fits where the target's
+// name fits.
 fs::path create_beside(const fs::path& target, const fs::path& destination) {
   static std::atomic<unsigned> counter{0};
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
@@ -40,23 +40,23 @@ fs::path create_beside(const fs::path& target, const fs::path& destination) {
   }
 }
 
-// Data and length are on the disk before the name is: after a power cut there is the old file or
-// the new one.
+// Flushes data and length to disk before the rename, so that after a power cut either the old or
+// the new file is there.
 bool flush_to_disk(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
     return false;
   }
   const bool flushed =
-      ::fsync(descriptor) == 0 || errno == EINVAL;  // EINVAL: a file system that has no fsync
+      ::fsync(descriptor) == 0 || errno == EINVAL;  // EINVAL: the file system has no fsync
   const int error = errno;
   ::close(descriptor);
   errno = error;
   return flushed;
 }
 
-// A stream keeps no reason for a write that failed: writing once more to the file, which is lost
-// anyway, finds it.
+// The system's reason for a failed write. A stream does not keep it, so this writes once more to
+// the file, which is discarded anyway.
 std::string reason_of_failed_write(const fs::path& path) {
   constexpr std::size_t kBytes = 65536;
   const std::string zeros(kBytes, '\0');
@@ -66,7 +66,7 @@ std::string reason_of_failed_write(const fs::path& path) {
   }
   errno = 0;
   ssize_t count = ::write(descriptor, zeros.data(), kBytes);
-  if (count > 0 && count < static_cast<ssize_t>(kBytes)) {  // what room there was is used up
+  if (count > 0 && count < static_cast<ssize_t>(kBytes)) {  // the remaining space is used up
     count = ::write(descriptor, zeros.data(), kBytes);
   }
   const int error = count < 0 ? errno : 0;
@@ -127,7 +127,7 @@ void AtomicFile::flush() {
 }
 
 void AtomicFile::commit() {
-  stream_.close();  // flushes; sets failbit if that or any write before it failed
+  stream_.close();  // flushes; sets failbit if this or an earlier write failed
   if (!stream_.good()) {
     throw bad_file(destination_, "cannot be written: " + reason_of_failed_write(written_path_));
   }

@@ -29,10 +29,10 @@ struct ByteSource::Stream {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{nullptr, std::fclose};
   std::unique_ptr<Decompressor> decompressor;
   std::vector<char> packed;
-  std::size_t begin = 0, end = 0;  // of the packed bytes that are not used yet
+  std::size_t begin = 0, end = 0;  // range of the unread compressed bytes
   bool is_bzip2 = false;
   bool between_members = true, is_first_member = true;
-  std::uint64_t total = 0;  // bytes handed out
+  std::uint64_t total = 0;  // bytes returned so far
 
   std::size_t read_file(char* to, std::size_t bytes) {
     errno = 0;
@@ -44,20 +44,20 @@ struct ByteSource::Stream {
   }
 
   std::size_t read_unpacked(char* to, std::size_t bytes) {
-    std::size_t made = 0;
-    while (made < bytes) {
+    std::size_t produced = 0;
+    while (produced < bytes) {
       if (begin == end) {
         begin = 0;
         end = read_file(packed.data(), packed.size());
       }
       if (end == 0) {
         if (!between_members) {
-          throw bad_file(path, "is cut off: its compressed samples end after " +
-                                   std::to_string(total + made) + " bytes");
+          throw bad_file(path, "is cut off: its compressed samples end too early, after " +
+                                   std::to_string(total + produced) + " decompressed bytes");
         }
         break;
       }
-      // What follows the last member need not be one more: some writers pad with zeros.
+      // Bytes after the last member need not be another member: some writers pad with zeros.
       if (between_members && !is_first_member && !starts_member()) {
         break;
       }
@@ -67,23 +67,25 @@ struct ByteSource::Stream {
       between_members = is_first_member = false;
       try {
         const std::size_t room =
-            std::min<std::size_t>(bytes - made, std::numeric_limits<int>::max());
-        const auto step = decompressor->step(packed.data() + begin, end - begin, to + made, room);
-        if (step.used == 0 && step.made == 0 && !step.at_end) {
+            std::min<std::size_t>(bytes - produced, std::numeric_limits<int>::max());
+        const auto step =
+            decompressor->step(packed.data() + begin, end - begin, to + produced, room);
+        if (step.consumed == 0 && step.produced == 0 && !step.at_end) {
           throw "stuck";
         }
-        begin += step.used;
-        made += step.made;
+        begin += step.consumed;
+        produced += step.produced;
         between_members = step.at_end;
       } catch (const char*) {
         throw bad_file(path, "its compressed samples are damaged after " +
-                                 std::to_string(total + made) + " bytes");
+                                 std::to_string(total + produced) + " bytes");
       }
     }
-    return made;
+    return produced;
   }
 
-  // Only gzip and bzip2 have members. Reads on where their mark is not wholly in the buffer.
+  // True if another member begins at the read position. Only gzip and bzip2 have members. Reads
+  // more of the file if the buffer holds too little to decide.
   bool starts_member() {
     constexpr std::size_t kMark = 3;
     if (end - begin < kMark) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bytes of a file from an offset on, decompressed on the way.
+// The bytes of a file from an offset on, decompressed if needed.
 #pragma once
 
 #include <cstddef>
@@ -11,37 +11,36 @@
 
 namespace isoatlas::detail::io {
 
-///< deflate: gzip or zlib, whichever the stream's header says
-
-/// The packing that the file's first bytes state: gzip and bzip2 have marks of their own, anything
-/// else is `none`.
+/// The compression that the first bytes of the file state: gzip and bzip2 begin with fixed bytes,
+/// all other files are `none`.
 Packing packing_of(const std::filesystem::path& path);
 
-/// Reads one stream once, front to back. Checksums of compressed streams are checked.
+/// Reads one stream once, from beginning to end. Verifies the checksums of compressed streams.
 class ByteSource {
  public:
-  /// @param offset  of the stream in the file as it is on disk
+  /// @param offset  of the stream in the file on disk, in bytes
   /// @throws Error(bad_file) if the file cannot be opened
   ByteSource(const std::filesystem::path& path, std::uint64_t offset, Packing packing);
   ~ByteSource();
   ByteSource(ByteSource&&) noexcept;
 
-  /// Reads at most `bytes` bytes and returns how many; fewer only at the end of the stream.
+  /// Reads at most `bytes` bytes and returns the number read, which is smaller only at the end of
+  /// the stream.
   /// @throws Error(bad_file) if a compressed stream is damaged or cut off, or the disk cannot be
   /// read
   std::size_t read(void* to, std::size_t bytes);
 
-  /// Skips exactly so many bytes. @throws Error(bad_file) if there are fewer
+  /// Skips exactly `bytes` bytes. @throws Error(bad_file) if the stream is shorter
   void skip(std::uint64_t bytes);
 
   /// Reads exactly `bytes` bytes into `to`.
-  /// @throws Error(bad_file) "is cut off ...: the header promises ... bytes of samples, the file
-  /// has ..."
+  /// @throws Error(bad_file) "is cut off ...: the header states ... bytes of samples, the file has
+  /// ..."
   void read_samples(void* to, std::uint64_t bytes);
 
-  /// Reads on, at most to `limit` bytes or a little more, and returns how many bytes there were, at
-  /// most `limit`. A compressed stream's checksum is at its end, so call this after the samples: it
-  /// is checked unless more than `limit` bytes are left.
+  /// Reads and counts the remaining bytes, up to about `limit` of them; returns at most `limit`.
+  /// The checksum of a compressed stream is at its end, so call this after reading the samples: it
+  /// is verified unless more than `limit` bytes remain.
   std::uint64_t count_rest(std::uint64_t limit);
 
  private:
@@ -49,7 +48,7 @@ class ByteSource {
   std::unique_ptr<Stream> stream_;
 };
 
-/// Reverses the bytes of each of `count` values of `value_bytes` bytes, in place.
+/// Reverses the byte order of each of `count` values of `value_bytes` bytes, in place.
 void swap_byte_order(void* values, std::uint64_t count, std::size_t value_bytes);
 
 }  // namespace isoatlas::detail::io

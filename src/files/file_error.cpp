@@ -26,7 +26,7 @@ std::string one_line(std::string_view text, std::size_t limit) {
   if (line.size() > limit) {
     line.resize(limit);
     while (!line.empty() && (static_cast<unsigned char>(line.back()) & 0x80U) != 0) {
-      line.pop_back();  // not half a UTF-8 character
+      line.pop_back();  // never cut within a UTF-8 character
     }
     line += "...";
   }
@@ -36,7 +36,7 @@ std::string one_line(std::string_view text, std::size_t limit) {
 namespace {
 
 constexpr std::size_t kMessageLimit =
-    2000;  // paths are shown whole; what() is never pages of somebody's header
+    2000;  // enough for any path, and limits the text quoted from a file
 
 Error file_error(ErrorCode code, const std::filesystem::path& path, std::string_view what) {
   return Error(code, one_line(path.string() + ": " + std::string(what), kMessageLimit));
@@ -54,7 +54,7 @@ Error unsupported(const std::filesystem::path& path, std::string_view what) {
 
 Error out_of_memory(const std::filesystem::path& path, std::uint64_t bytes) {
   return file_error(ErrorCode::out_of_memory, path,
-                    "no memory for its " + std::to_string(bytes) + " bytes");
+                    "not enough memory for its " + std::to_string(bytes) + " bytes");
 }
 
 std::string system_text(int error) { return std::generic_category().message(error); }
@@ -69,8 +69,9 @@ std::uint64_t readable_file_size(const std::filesystem::path& path) {
     throw bad_file(path, "cannot be opened: " + error.message());
   }
   if (!std::filesystem::is_regular_file(status)) {
-    throw bad_file(path, std::filesystem::is_directory(status) ? "is a folder, expected a file"
-                                                               : "is not a regular file");
+    throw bad_file(path, std::filesystem::is_directory(status)
+                             ? "is a folder, expected a file"
+                             : "is not a regular file, expected one");
   }
   errno = 0;
   if (!std::ifstream(path, std::ios::binary)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One way to say what is wrong with a file: "<path>: <what>", on one line.
+// Errors about files: "<path>: <what is wrong>", on one line.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,24 @@
 
 namespace isoatlas::detail::io {
 
-/// Text from a file or from another library, made fit for a message: control characters and runs of
-/// blanks become one blank, the end is cut at `limit` bytes.
+/// Text from a file or another library, made fit for a message: control characters and runs of
+/// blanks become one blank, and text beyond `limit` bytes is cut.
 std::string one_line(std::string_view text, std::size_t limit = 240);
 
 Error bad_file(const std::filesystem::path& path, std::string_view what);
 Error unsupported(const std::filesystem::path& path, std::string_view what);
 Error out_of_memory(const std::filesystem::path& path, std::uint64_t bytes);
 
-/// What the operating system says about `error` (an errno value), e.g. "No space left on device".
+/// The operating system's text for `error` (an errno value), e.g. "No space left on device".
 std::string system_text(int error);
 
-/// Size of an existing, readable, non-empty regular file. Throws Error(bad_file) for anything else.
+/// The size of a non-empty regular file that can be read. Throws Error(bad_file) for anything else.
 std::uint64_t readable_file_size(const std::filesystem::path& path);
 
-/// The whole file. Throws Error(bad_file), Error(out_of_memory).
+/// The contents of the whole file. Throws Error(bad_file), Error(out_of_memory).
 std::string file_contents(const std::filesystem::path& path);
 
-/// Runs `work`; whatever a reader or a writer lets out, the caller gets an Error that names the
-/// file.
+/// Runs `work` and turns any exception into an Error that names the file.
 template <class Work>
 auto translate_exceptions(const std::filesystem::path& path, Work work) {
   try {

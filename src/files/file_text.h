@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words and lines of a file that also holds binary data, without having the whole file in memory.
+// Words and lines of a file that may also hold binary data; only a part of it is in memory.
 #pragma once
 
 #include <cstddef>
@@ -18,19 +18,19 @@ class FileText {
  public:
   static constexpr std::size_t kLongestWord = 1024;
 
-  /// The bytes of the file from `begin` on, before `end`.
+  /// Reads the bytes of the file in [begin, end).
   /// @throws Error(bad_file) if the file cannot be opened
   explicit FileText(const std::filesystem::path& path, std::uint64_t begin = 0,
                     std::uint64_t end = std::numeric_limits<std::int64_t>::max());
 
-  /// The next word between blanks and line ends, valid until the next call; empty at the end.
-  /// Longer ones are cut.
+  /// The next word, delimited by blanks and line ends, valid until the next call; empty at the end.
+  /// Words longer than kLongestWord are cut.
   std::string_view word();
 
   /// The rest of the line without its end, \n or \r\n; at most kLongestWord bytes of it.
   std::string line();
 
-  /// Of the first byte that no word() or line() has returned.
+  /// The position of the first byte that neither word() nor line() has returned.
   std::uint64_t position() const { return buffer_position_ + first_; }
   void seek(std::uint64_t position);
 
@@ -42,7 +42,7 @@ class FileText {
   std::uint64_t end_;
   std::vector<char> buffer_;
   std::uint64_t buffer_position_ = 0;  // in the file
-  std::size_t first_ = 0, last_ = 0;   // of the bytes in the buffer that are not used yet
+  std::size_t first_ = 0, last_ = 0;   // range of the unread bytes in the buffer
 };
 
 }  // namespace isoatlas::detail::io

@@ -7,11 +7,11 @@
 
 namespace isoatlas::detail::io {
 
-/// Keeps the messages that decoding libraries write to std::cerr and std::cout away from the
-/// terminal while it lives.
+/// While an object of this class exists, messages that decoding libraries write to std::cerr and
+/// std::cout do not reach the terminal.
 ///
-/// Those streams, and the error handlers of libtiff, belong to the whole process, hence the lock:
-/// files that need it are read one at a time.
+/// Those streams and the error handlers of libtiff belong to the whole process, so the object holds
+/// a lock: files that need it are read one at a time.
 class LibraryMessages {
  public:
   LibraryMessages();

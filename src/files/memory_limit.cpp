@@ -14,7 +14,7 @@ std::uint64_t default_memory_limit() {
                         static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
   for (const char* file :
        {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
-    std::uint64_t limit = 0;  // "max" where there is none
+    std::uint64_t limit = 0;  // the file holds "max" if there is no limit
     if (std::ifstream(file) >> limit && limit > 0) {
       bytes = std::min(bytes, limit);
     }

@@ -5,8 +5,8 @@
 
 namespace isoatlas::detail::io {
 
-/// Three quarters of the memory that this process may use: the machine's, or the limit of its
-/// control group or its address space (`ulimit -v`) where that is less.
+/// Three quarters of the memory that this process may use: that of the machine, or the limit of its
+/// control group or address space (`ulimit -v`) if that is less.
 std::uint64_t default_memory_limit();
 
 }  // namespace isoatlas::detail::io

@@ -15,23 +15,23 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Error too_short(const fs::path& path, std::uint64_t promised, std::uint64_t stored) {
-  return bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) +
+Error too_short(const fs::path& path, std::uint64_t stated, std::uint64_t stored) {
+  return bad_file(path, "is cut off or damaged: the header states " + std::to_string(stated) +
                             " bytes of samples, the file has " + std::to_string(stored));
 }
 
 }  // namespace
 
-void require_stored_bytes(const fs::path& path, std::uint64_t promised, std::uint64_t stored) {
-  if (stored < promised) {
-    throw too_short(path, promised, stored);
+void require_stored_bytes(const fs::path& path, std::uint64_t stated, std::uint64_t stored) {
+  if (stored < stated) {
+    throw too_short(path, stated, stored);
   }
 }
 
-void require_possible_bytes(const fs::path& path, std::uint64_t promised, std::uint64_t stored,
+void require_possible_bytes(const fs::path& path, std::uint64_t stated, std::uint64_t stored,
                             std::uint64_t most_per_stored_byte) {
-  if (promised / most_per_stored_byte > stored) {
-    throw bad_file(path, "the header promises " + std::to_string(promised) +
+  if (stated / most_per_stored_byte > stored) {
+    throw bad_file(path, "the header states " + std::to_string(stated) +
                              " bytes of samples, far more than a file of " +
                              std::to_string(stored) + " bytes can hold");
   }
@@ -65,8 +65,9 @@ void check_data_file(const fs::path& header_file, const fs::path& data_file,
 }
 
 std::string first_bytes(const fs::path& path, std::size_t limit) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> file(gzopen(path.c_str(), "rb"),
-                                                           gzclose);  // plain files too
+  const std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> file(
+      gzopen(path.c_str(), "rb"),
+      gzclose);  // also reads files that are not compressed
   if (!file) {
     throw bad_file(path, "cannot be opened");
   }

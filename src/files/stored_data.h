@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks that a file holds the samples that its header promises. Many libraries fill what is
-// missing with zeros, or leave what was in memory. A surface of that would look like anatomy, so
-// every reader checks here first.
+// Checks that a file holds the samples that its header states. Many libraries fill missing samples
+// with zeros or leave memory uninitialised, and a surface of such samples looks like anatomy. So
+// every reader calls these functions first.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace isoatlas::detail::io {
 
-/// Uncompressed samples. Throws Error(bad_file) if `stored` is less than `promised`.
-void require_stored_bytes(const std::filesystem::path& path, std::uint64_t promised,
+/// For uncompressed samples. Throws Error(bad_file) if `stored` is less than `stated`.
+void require_stored_bytes(const std::filesystem::path& path, std::uint64_t stated,
                           std::uint64_t stored);
 
-/// Compressed or textual samples, before memory is allocated for them: throws Error(bad_file) if no
-/// compressor could have put `promised` bytes into `stored`. Deflate shrinks nothing below 1/1032.
-void require_possible_bytes(const std::filesystem::path& path, std::uint64_t promised,
+/// For compressed or textual samples, before memory is allocated for them. Throws Error(bad_file)
+/// if no compressor can put `stated` bytes into `stored`. Deflate shrinks data to 1/1032 at most.
+void require_possible_bytes(const std::filesystem::path& path, std::uint64_t stated,
                             std::uint64_t stored, std::uint64_t most_per_stored_byte = 1100);
 
-/// Throws Error(bad_file) unless the file ends with `ending`, blanks aside: a file that lost its
-/// end does not.
+/// Throws Error(bad_file) unless the file ends with `ending`, apart from blanks. A file that was
+/// cut off does not.
 void require_ending(const std::filesystem::path& path, std::string_view ending);
 
-/// Checks a data file that a header names: an Error about it also names the header, which is what
+/// Checks a data file that a header names. Its errors also name the header, which is the file that
 /// the user gave.
 void check_data_file(const std::filesystem::path& header_file,
                      const std::filesystem::path& data_file, const std::function<void()>& check);

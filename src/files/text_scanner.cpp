@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
-// Line ends are \n, \r\n (whose \r is a blank), or \r in files of old Macs. The first one says
-// which.
+// Line ends are \n, \r\n (whose \r counts as a blank), or \r in files of old Macs. The first line
+// end in the text decides which.
 char line_end_of(std::string_view text) {
   const std::size_t first = text.find_first_of("\r\n");
   const bool is_old_mac =
@@ -60,7 +60,7 @@ std::string_view TextScanner::next_word() {
       return found;
     }
     if (!next_line()) {
-      throw error("the file ends here, more data was promised");
+      throw error("the file ends here, expected more data");
     }
   }
 }

@@ -10,20 +10,20 @@
 
 namespace isoatlas::detail::io {
 
-/// Walks through a text file by lines and blank-separated words, for readers whose errors name the
-/// line. The text outlives the scanner. Numbers are read the same in every locale.
+/// Reads a text file by lines and blank-separated words, for readers whose errors name the line.
+/// The text must outlive the scanner. Numbers are read the same in every locale.
 class TextScanner {
  public:
-  /// `lines_before` are the lines of the file before `text`.
+  /// @param lines_before  number of lines of the file before `text`
   TextScanner(std::string_view text, std::filesystem::path path, std::size_t lines_before = 0);
 
-  /// Steps to the next line; false at the end of the text.
+  /// Advances to the next line; false at the end of the text.
   bool next_line();
 
   /// The next word of this line; empty at its end.
   std::string_view word();
 
-  /// The next word of the text, from later lines if need be. Throws Error(bad_file) at the end of
+  /// The next word of the text, on this line or a later one. Throws Error(bad_file) at the end of
   /// the text.
   std::string_view next_word();
 
@@ -37,10 +37,10 @@ class TextScanner {
   /// "<path>: line 12: <what>"
   Error error(std::string_view what) const;
 
-  /// The number of this line in the file; the first one is 1.
+  /// The number of this line in the file, from 1.
   std::size_t line_number() const { return line_number_; }
 
-  /// Bytes after this line.
+  /// The number of bytes after this line.
   std::size_t remaining() const { return rest_.size(); }
 
  private:

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -52,11 +50,12 @@ class BinaryValues final : public VtkValues {
       : path_(path),
         bytes_(std::move(bytes)),
         value_bytes_(bytes_per_sample(type)),
-        swaps_(value_bytes_ > 1 && is_big_endian != (std::endian::native == std::endian::big)) {}
+        must_swap_bytes_(value_bytes_ > 1 &&
+                         is_big_endian != (std::endian::native == std::endian::big)) {}
 
   void read(void* to, std::uint64_t count) override {
     read_exactly(path_, *bytes_, static_cast<char*>(to), count * value_bytes_);
-    if (swaps_) {
+    if (must_swap_bytes_) {
       swap_byte_order(to, count, value_bytes_);
     }
   }
@@ -65,10 +64,10 @@ class BinaryValues final : public VtkValues {
   fs::path path_;
   std::unique_ptr<ByteStream> bytes_;
   std::size_t value_bytes_;
-  bool swaps_;
+  bool must_swap_bytes_;
 };
 
-// Eight values in a byte, the first in its highest bit.
+// Values of one bit, eight to a byte, the first in the highest bit.
 class BitValues final : public VtkValues {
  public:
   BitValues(const fs::path& path, std::unique_ptr<ByteStream> bytes)
@@ -92,29 +91,18 @@ class BitValues final : public VtkValues {
   unsigned used_bits_ = 8;
 };
 
-template <class T>
-bool is_in_range(long double value) {
-  if constexpr (std::is_floating_point_v<T>) {
-    return std::fabs(value) <= static_cast<long double>(std::numeric_limits<T>::max());
-  }
-  return (value == std::floor(value) &&
-          value >= static_cast<long double>(std::numeric_limits<T>::min()) &&
-          value <= static_cast<long double>(std::numeric_limits<T>::max()));
-}
-
-// The same in every locale. Integers may be written like 3.0 or 1e3, and numbers below the smallest
-// float are 0.
+// Reads a value as it is in the file: decimal text is rounded once, to T itself, and integers are
+// read with integer arithmetic, so that all 64 bits are exact. Integers may be written like 3.0 or
+// 1e3; a number too small for a float becomes 0.
 template <class T>
 bool parse_value(std::string_view word, T& value) {
   if (parse_number(word, value)) {
     return true;
   }
-  long double wide = 0;
-  if (!parse_number(word, wide) || !is_in_range<T>(wide)) {
-    return false;
+  if constexpr (std::is_integral_v<T>) {
+    return parse_integer_in_decimal(word, value);
   }
-  value = static_cast<T>(wide);
-  return true;
+  return false;
 }
 
 bool parse_colour(std::string_view word, std::uint8_t& value) {

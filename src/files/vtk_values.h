@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The values of one array of a VTK file, front to back, whatever they are stored as. VTK's own
-// readers return what was in memory where values are missing, so these here are exact: each value
-// is from the file, or there is an error.
+// The values of one array of a VTK file, from first to last, for every way to store them. VTK's own
+// readers return uninitialised memory where values are missing. These readers return a value only
+// if it is in the file, else they throw.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace isoatlas::detail::io {
 
-/// A type of VTK: bits, eight of them in a byte, are read as uint8.
+/// A type of VTK. Bits are stored eight to a byte and read as uint8.
 struct VtkType {
   SampleType sample = SampleType::uint8;
   bool is_bit = false;
@@ -30,19 +30,20 @@ class VtkValues {
  public:
   virtual ~VtkValues() = default;
   /// Reads the next `count` values in the machine's byte order.
-  /// @throws Error(bad_file) if there are fewer, or one is damaged or out of its type's range
+  /// @throws Error(bad_file) if there are fewer, or if one is damaged or outside the range of its
+  /// type
   virtual void read(void* to, std::uint64_t count) = 0;
 };
 
 class ByteStream {
  public:
   virtual ~ByteStream() = default;
-  /// Reads at most `bytes` bytes and returns how many; fewer only at the end. @throws
-  /// Error(bad_file) if they are damaged
+  /// Reads at most `bytes` bytes and returns the number read, which is smaller only at the end.
+  /// @throws Error(bad_file) if the bytes are damaged
   virtual std::size_t read(char* to, std::size_t bytes) = 0;
 };
 
-/// The bytes of a file from `begin` on, before `end`.
+/// The bytes of a file in [begin, end).
 std::unique_ptr<ByteStream> file_bytes(const std::filesystem::path& path, std::uint64_t begin,
                                        std::uint64_t end);
 
@@ -50,11 +51,11 @@ std::unique_ptr<VtkValues> binary_values(const std::filesystem::path& path,
                                          std::unique_ptr<ByteStream> bytes, VtkType type,
                                          bool is_big_endian);
 
-/// @param is_colour  fractions from 0 to 1, which stand for 0 to 255
+/// @param is_colour  the numbers are fractions from 0 to 1, which stand for 0 to 255
 std::unique_ptr<VtkValues> text_values(const std::filesystem::path& path, FileText text,
                                        VtkType type, bool is_colour = false);
 
-/// Reads the next `count` tuples of `components` values each and keeps one component of them.
+/// Reads the next `count` tuples of `components` values each and keeps one component of each tuple.
 void read_component(VtkValues& values, SampleType type, std::uint64_t components,
                     std::uint64_t component, std::uint64_t count, std::byte* to);
 

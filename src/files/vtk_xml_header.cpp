@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Reads elements as far as <AppendedData>, behind which there need not be XML.
+// Reads elements up to <AppendedData>: what follows it need not be XML.
 class ElementReader {
  public:
   explicit ElementReader(const fs::path& path)
@@ -57,9 +57,9 @@ class ElementReader {
       std::rethrow_exception(error_);
     }
     if (open_.empty() && !has_root_) {
-      throw bad_file(path_, "is not well-formed XML: it has no element");
+      throw bad_file(path_, "is not well-formed XML: no element was found");
     }
-    while (open_.size() > 1) {  // those around <AppendedData>
+    while (open_.size() > 1) {  // the elements that contain <AppendedData>
       close();
     }
     header.root = open_.empty() ? std::move(root_) : std::move(open_.front().element);
@@ -69,10 +69,10 @@ class ElementReader {
  private:
   struct OpenElement {
     XmlElement element;
-    std::uint64_t stretch_begin = 0;  // of the text that is being read
+    std::uint64_t stretch_begin = 0;  // begin of the current run of text
   };
 
-  // Nothing may be thrown through the parser, which is C.
+  // The parser is C code: no exception may pass through it.
   template <class Work>
   void guarded(Work work) noexcept {
     try {
@@ -157,7 +157,7 @@ class ElementReader {
   std::exception_ptr error_;
 };
 
-// The data begins behind the first underscore and ends with the last </AppendedData>.
+// Appended data begins after the first underscore and ends at the last </AppendedData>.
 void find_appended_data(VtkXmlHeader& header) {
   constexpr std::string_view kEnd = "</AppendedData";
   constexpr std::uint64_t kMostBlanks = 4096;

@@ -26,8 +26,8 @@ namespace {
 constexpr std::uint64_t kMostBytesPerByte =
     10'000;  // LZMA, the strongest of VTK's compressors, on constant data
 
-// Text in which four characters stand for three bytes. It may be several texts one after the other,
-// each with its padding.
+// Decodes base64, in which four characters stand for three bytes. The text may be several base64
+// texts in sequence, each with its own padding.
 class Base64Bytes final : public ByteStream {
  public:
   Base64Bytes(const fs::path& path, std::unique_ptr<ByteStream> text)
@@ -84,7 +84,8 @@ class Base64Bytes final : public ByteStream {
   unsigned bit_count_ = 0;
 };
 
-// Decompresses into exactly `to_bytes` bytes; false if that is not what comes out.
+// Decompresses into exactly `to_bytes` bytes; false if the result has another size or `from` is
+// damaged.
 bool decompress(VtkCompressor compressor, const std::vector<char>& from, char* to,
                 std::size_t to_bytes) {
   const auto* const from_bytes = reinterpret_cast<const std::uint8_t*>(from.data());
@@ -100,7 +101,7 @@ bool decompress(VtkCompressor compressor, const std::vector<char>& from, char* t
            LZ4_decompress_safe(from.data(), to, static_cast<int>(from.size()),
                                static_cast<int>(to_bytes)) == static_cast<int>(to_bytes);
   }
-  std::uint64_t memory = std::uint64_t{1} << 28;  // more than the strongest preset needs
+  std::uint64_t memory = std::uint64_t{1} << 28;  // more than the strongest LZMA preset needs
   std::size_t used = 0, made = 0;
   auto* const to_begin = reinterpret_cast<std::uint8_t*>(to);
   return lzma_stream_buffer_decode(&memory, 0, nullptr, from_bytes, &used, from.size(), to_begin,
@@ -110,7 +111,8 @@ bool decompress(VtkCompressor compressor, const std::vector<char>& from, char* t
 
 struct Blocks {
   std::uint64_t count = 0, bytes = 0,
-                last_bytes = 0;  // decompressed; last_bytes 0: as long as the others
+                last_bytes =
+                    0;  // decompressed; last_bytes 0: the last block has the size of the others
   std::vector<std::uint64_t> packed_bytes = {};
 
   std::uint64_t total_bytes() const {
@@ -176,10 +178,10 @@ class BlockBytes final : public ByteStream {
   Blocks blocks_;
   std::uint64_t next_ = 0;
   std::vector<char> packed_block_, block_;
-  std::size_t used_ = 0;  // of the decompressed block
+  std::size_t used_ = 0;  // bytes of the decompressed block that were returned
 };
 
-// Where one array is, for all steps of opening it.
+// Finds one array in the file, checks its size and opens it.
 class ArrayOpener {
  public:
   ArrayOpener(const VtkXmlHeader& header, const XmlElement& array, VtkType type,
@@ -222,8 +224,8 @@ class ArrayOpener {
     return binary_values(header_.path, std::move(stream), type_, header_.is_big_endian);
   }
 
-  // VTK stores strings one after the other, each with a zero behind it; in text files as numbers of
-  // characters.
+  // VTK stores strings in sequence, each with a terminating zero; in text files each character is
+  // written as its number.
   std::string first_string() {
     if (is_text_) {
       return first_string_in_text();
@@ -274,7 +276,7 @@ class ArrayOpener {
       const auto [word_end, error] = std::from_chars(word.data(), word.data() + word.size(), code);
       if (error != std::errc{} || word_end != word.data() + word.size() || code > 0xFF) {
         throw bad_file(header_.path, name_ + " has '" + one_line(word, 40) +
-                                         "', expected the number of a character");
+                                         "', expected a character code from 0 to 255");
       }
       if (code == 0) {
         break;
@@ -303,8 +305,8 @@ class ArrayOpener {
     end_ = header_.appended_end;
   }
 
-  // More numbers than samples: the extent is not that of the values, and each row would begin in
-  // the wrong place.
+  // With more numbers than samples, the extent does not belong to the values, and each row would
+  // begin in the wrong place.
   void require_no_more_numbers() const {
     FileText text(header_.path, begin_, end_);
     std::uint64_t found = 0;
@@ -340,7 +342,8 @@ class ArrayOpener {
     }
   }
 
-  // Before memory is allocated for them: could so many bytes be in the array's part of the file?
+  // Throws unless the array's part of the file can hold `bytes` bytes. Called before memory is
+  // allocated.
   void require_stored(std::uint64_t bytes) const {
     const std::uint64_t in_file = end_ - begin_;
     const bool is_base64 = !is_appended_ || !header_.is_appended_raw;
@@ -350,8 +353,8 @@ class ArrayOpener {
     require_stored_bytes(header_.path, bytes, most);
   }
 
-  // The number of blocks, the size of a block, the size of the last one if it is smaller, and all
-  // compressed sizes.
+  // Reads the number of blocks, the size of a block, the size of the last block if it is smaller
+  // (else 0), and the compressed size of each block.
   Blocks read_block_table(ByteStream& stream) const {
     Blocks blocks;
     blocks.count = next_number(stream);
@@ -408,7 +411,9 @@ std::optional<VtkType> vtk_xml_type(const VtkXmlHeader& header, const XmlElement
   const auto* const found =
       std::ranges::find(kTypes, type, [](const auto& entry) { return entry.first; });
   if (found == kTypes.end()) {
-    throw bad_file(header.path, "has an array of unknown data type '" + one_line(type, 40) + "'");
+    throw bad_file(header.path,
+                   "has an array of unknown data type '" + one_line(type, 40) +
+                       "', expected one of Int8 to UInt64, Float32, Float64, Bit or String");
   }
   return found->second;
 }

@@ -12,21 +12,21 @@
 
 namespace isoatlas::detail::io {
 
-/// The type of an array; none: it holds strings.
-/// @throws Error(bad_file) if there is no such type
+/// The type of an array; nothing if the array holds strings.
+/// @throws Error(bad_file) for an unknown type
 std::optional<VtkType> vtk_xml_type(const VtkXmlHeader& header, const XmlElement& array);
 
-/// Opens the values, after checking as far as that goes without reading them that there are exactly
-/// `count`.
-/// @throws Error(bad_file) if there are not
+/// Opens the values. Checks first that there are exactly `count`, as far as that is possible
+/// without reading them.
+/// @throws Error(bad_file) if there are more or fewer
 std::unique_ptr<VtkValues> open_xml_values(const VtkXmlHeader& header, const XmlElement& array,
                                            VtkType type, std::uint64_t count);
 
-/// The first of an array's strings; empty if it has none. Longer ones than 64 MiB are refused.
+/// The first string of an array; empty if it has none. Strings longer than 64 MiB are refused.
 /// @throws Error(bad_file) if the array is damaged
 std::string first_xml_string(const VtkXmlHeader& header, const XmlElement& array);
 
-/// The libraries that read such a file, with their versions.
+/// The names and versions of the libraries that read such a file.
 std::string vtk_xml_reader_name(const VtkXmlHeader& header);
 
 }  // namespace isoatlas::detail::io

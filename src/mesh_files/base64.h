@@ -28,8 +28,8 @@ inline std::string to_base64(std::string_view bytes) {
   return text;
 }
 
-/// The bytes of a base64 text up to its first '='; what is no digit is passed over, as line breaks
-/// are.
+/// The bytes of a base64 text up to its first '='. Characters that are not base64 digits, such as
+/// line breaks, are skipped.
 inline std::string from_base64(std::string_view text) {
   std::array<std::int8_t, 256> value{};
   value.fill(-1);

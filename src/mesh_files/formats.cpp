@@ -29,7 +29,7 @@ struct MeshFormat {
   bool is_single_precision = false;
   bool has_indices = true;
   io::StoredForm (*form)(const TriangleMesh&,
-                         const MeshFileInfo&) = nullptr;  ///< none: coordinates are stored as given
+                         const MeshFileInfo&) = nullptr;  ///< null: coordinates are stored as given
 };
 
 constexpr std::array kMeshFormats{
@@ -42,7 +42,7 @@ constexpr std::array kMeshFormats{
     MeshFormat{".gii", io::read_gii, io::info_in_gii, io::write_gii, true, true, io::form_in_gifti},
 };
 
-// The format whose extension ends the file's name in any case, or null.
+// The format whose extension the file's name has, in upper or lower case; null if there is none.
 template <class Formats>
 auto find_format(const Formats& formats, const fs::path& path) -> decltype(formats.data()) {
   const auto found = std::ranges::find_if(
@@ -52,7 +52,7 @@ auto find_format(const Formats& formats, const fs::path& path) -> decltype(forma
 
 constexpr const char* kOrLevels = ", or .glb or .vtm for levels of detail";
 
-// @param besides  what else the caller takes, for the message
+// @param besides  other formats that the caller accepts, for the message
 const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) {
   const MeshFormat* format = find_format(kMeshFormats, path);
   if (format == nullptr) {
@@ -138,7 +138,8 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path,
     throw Error(ErrorCode::bad_argument,
                 io::one_line(path.string() + ": not written: " + check.text));
   }
-  // One line each: a newline would end the comment and start a line of the file's own grammar.
+  // Comments must be one line: a line break would end the comment, and the next line would be read
+  // as data.
   const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment), info.unit};
   return io::translate_exceptions(path, [&] {
     if (format.form == nullptr) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The readers and writers behind read_mesh and write_mesh; formats.cpp picks one by extension.
+// The readers and writers of read_mesh and write_mesh; formats.cpp selects one by extension.
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@
 
 namespace isoatlas::detail::io {
 
-/// The extensions of mesh files, with dots, between blanks.
+/// The extensions of mesh files, with dots, separated by blanks.
 std::string mesh_extensions();
 
-// Meshes in. What comes out may still have indices out of range: read_mesh checks all formats
-// alike.
+// Readers. Their result may have vertex indices out of range: read_mesh checks the meshes of all
+// formats.
 TriangleMesh read_ply(const std::filesystem::path& path);
 TriangleMesh read_stl(const std::filesystem::path& path);
 TriangleMesh read_obj(const std::filesystem::path& path);
 TriangleMesh read_off(const std::filesystem::path& path);
 TriangleMesh read_vtp(const std::filesystem::path& path);
-/// With its text fields by name, and what it says of every vertex's distance
+/// Also returns the text fields by name, and the distance of every vertex that the file states
 /// (Hierarchy::Level::distance).
 /// @throws Error(bad_file) if an array that the mesh needs is missing, damaged or longer than the
 /// file can hold
@@ -32,30 +32,32 @@ TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, s
 TriangleMesh read_3mf(const std::filesystem::path& path);
 TriangleMesh read_gii(const std::filesystem::path& path);
 
-// What such a file says besides the triangles.
-MeshFileInfo info_in_text(
-    const std::filesystem::path& path);  ///< .ply, .stl, .obj, .off: SPACE=... near the beginning
+// What a file states besides the triangles.
+MeshFileInfo info_in_text(const std::filesystem::path& path);  ///< .ply, .stl, .obj, .off: reads
+                                                               ///< SPACE=... near the beginning
 MeshFileInfo info_in_vtp(const std::filesystem::path& path);
 MeshFileInfo info_in_3mf(const std::filesystem::path& path);
 MeshFileInfo info_in_gii(const std::filesystem::path& path);
 
-// Meshes out. The mesh has finite positions and indices in range; `info` is free of control
-// characters. The bytes depend on the arguments only. The caller commits the file.
+// Writers. The mesh has finite positions and indices in range; `info` has no control characters.
+// The bytes depend on the arguments only. The caller commits the file.
 void write_ply(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_obj(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_off(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_3mf(const TriangleMesh& mesh, const MeshFileInfo& info,
-               AtomicFile& file);  ///< of form_in_3mf()
+               AtomicFile& file);  ///< the result of form_in_3mf()
 void write_gii(const TriangleMesh& mesh, const MeshFileInfo& info,
-               AtomicFile& file);                     ///< of form_in_gifti()
+               AtomicFile& file);                     ///< the result of form_in_gifti()
 constexpr const char* kVtpDistance = "max_distance";  ///< the array of distances in .vtp
-/// With text fields by name, empty ones are left out, and distances of the vertices or none.
+/// Writes text fields by name, except empty ones, and the distances of the vertices, if there are
+/// any.
 void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields,
                const std::vector<float>& distance, AtomicFile& file);
 
-// Levels out: checked like meshes; `info.levels` is empty or has a JSON object for each level.
+// Writers of levels. The levels are checked like meshes; `info.levels` is empty or has a JSON
+// object for each level.
 StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
                           const std::filesystem::path& path);
 std::vector<Vec3> positions_in_glb(const Hierarchy& hierarchy, std::size_t level,
@@ -64,18 +66,18 @@ double rounding_in_glb(const Hierarchy& hierarchy, const std::filesystem::path& 
 StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
                           const std::filesystem::path& path);
 
-/// Levels as a file keeps them, coarse to fine, each with its own positions.
+/// Levels as a file stores them, from coarse to fine, each with its own positions.
 struct StoredLevels {
   std::vector<TriangleMesh> meshes;
-  std::vector<std::vector<float>> distances;  ///< of each level, empty where the file has none
+  std::vector<std::vector<float>> distances;  ///< per level; empty if the file has none
   HierarchyFileInfo info;
 };
 StoredLevels read_glb(const std::filesystem::path& path);
-/// The same from a file's contents; `path` is for messages.
+/// Reads from a file's contents; `path` is for messages.
 StoredLevels read_glb(std::string contents, const std::filesystem::path& path);
 StoredLevels read_vtm(const std::filesystem::path& path);
 
-/// Where the pieces of a .vtm are: one .vtp for each level, in a folder beside it.
+/// The path of a level of a .vtm: a .vtp file in a folder next to it.
 std::filesystem::path vtm_piece(const std::filesystem::path& path, std::size_t level);
 
 }  // namespace isoatlas::detail::io

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of levels by extension.
+// Reading and writing files of levels; the extension selects the format.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,8 +26,9 @@ struct HierarchyFormat {
   io::StoredLevels (*read)(const fs::path&);
   StoredPositions (*write)(const Hierarchy&, const HierarchyFileInfo&, const fs::path&);
   bool has_pieces;
-  double (*rounding)(const Hierarchy&, const fs::path&);  ///< none: all digits are kept
-  std::vector<Vec3> (*positions)(const Hierarchy&, std::size_t, const fs::path&);  ///< likewise
+  double (*rounding)(const Hierarchy&, const fs::path&);  ///< null: all digits are kept
+  std::vector<Vec3> (*positions)(const Hierarchy&, std::size_t,
+                                 const fs::path&);  ///< null: all digits are kept
 };
 
 constexpr std::array kFormats{
@@ -60,7 +61,7 @@ std::string fault_of(const TriangleMesh& mesh) {
     if (std::ranges::any_of(mesh.triangles[t], [&](std::uint32_t corner) {
           return corner >= mesh.positions.size();
         })) {
-      return "triangle " + std::to_string(t) + " has a corner out of range";
+      return "triangle " + std::to_string(t) + " uses a vertex that does not exist";
     }
   }
   return mesh.triangles.empty() ? "there are no triangles" : "";
@@ -84,7 +85,7 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
     return "there are no levels";
   }
   if (!info.levels.empty() && info.levels.size() != hierarchy.levels.size()) {
-    return "there are " + std::to_string(info.levels.size()) + " texts for " +
+    return "there are " + std::to_string(info.levels.size()) + " JSON texts for " +
            std::to_string(hierarchy.levels.size()) + " levels";
   }
   std::uint32_t most = 0;
@@ -95,7 +96,7 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
         (level.own_positions.empty() && level.vertex_count > hierarchy.positions.size()) ||
         (!level.own_positions.empty() && level.own_positions.size() != level.vertex_count)) {
       return where + "its " + std::to_string(level.vertex_count) +
-             " vertices are not those of the level before and more";
+             " vertices do not begin with those of the previous level";
     }
     if (const std::string fault = fault_of(level.distance, level.vertex_count); !fault.empty()) {
       return where + fault;
@@ -106,7 +107,7 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
     }
     if (!info.levels.empty() &&
         !nlohmann::json::parse(info.levels[k], nullptr, false).is_object()) {
-      return where + "what is said of it is no JSON object";
+      return where + "its JSON text is not a JSON object";
     }
   }
   return "";
@@ -137,8 +138,8 @@ void check_hierarchy_path(const fs::path& path, std::size_t level_count) {
     return;
   }
   if (!fs::is_directory(status)) {
-    throw io::bad_file(
-        path, "cannot be written: " + folder.string() + " is no folder, and its levels go there");
+    throw io::bad_file(path, "cannot be written: " + folder.string() +
+                                 " is not a folder, but its levels are written there");
   }
   for (std::size_t k = 0; k < level_count; ++k) {
     const io::AtomicFile piece(io::vtm_piece(path, k));

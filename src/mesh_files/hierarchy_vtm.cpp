@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML multi-block file: a list of .vtp files, one for each level, in a folder beside it,
+// VTK's XML multi-block file: a list of .vtp files, one per level, in a folder next to it. They are
 // named as VTK's own writer names them.
 
 #include <memory>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Fields of the pieces.
+// Text fields of the .vtp files.
 constexpr const char* kLevelField = "LEVEL";          // the level's JSON
 constexpr const char* kPlacementField = "PLACEMENT";  // surface or balanced
 
@@ -45,15 +45,16 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-// A folder that goes away again unless it is kept; one that was there already stays.
+// Creates a folder and removes it in the destructor unless keep() was called; an existing folder is
+// never removed.
 class NewFolder {
  public:
   NewFolder(fs::path folder, const fs::path& path) : folder_(std::move(folder)) {
     std::error_code error;
     is_new_ = fs::create_directory(folder_, error);
     if (error || !fs::is_directory(folder_, error)) {
-      throw bad_file(
-          path, "cannot be written: no folder " + folder_.string() + " can be made for its levels");
+      throw bad_file(path, "cannot be written: the folder " + folder_.string() +
+                               " for its levels cannot be created");
     }
   }
   ~NewFolder() {
@@ -71,7 +72,7 @@ class NewFolder {
   bool is_new_ = false;
 };
 
-// File names of the blocks, relative to the folder of `path`, in their order.
+// The file names of the blocks in order, relative to the folder of `path`.
 std::vector<fs::path> blocks_of(const fs::path& path) {
   const VtkXmlHeader header = read_vtk_xml_header(path);
   const XmlElement* const list = header.root.child("vtkMultiBlockDataSet");
@@ -128,7 +129,7 @@ StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& i
                     "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
                     "  <vtkMultiBlockDataSet>\n"
                  << list << "  </vtkMultiBlockDataSet>\n</VTKFile>\n";
-  // The list last: it never names a file that is not there.
+  // The list is committed last, so it never names a missing file.
   for (const auto& piece : pieces) {
     piece->commit();
     new_folder.keep();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // 3D Manufacturing Format, core specification 1.3: a ZIP package with one XML part that holds the
-// mesh. Written by the specification, as lib3mf keeps coordinates as floats and puts random
-// identifiers into its files.
+// mesh. Not written by lib3mf, which keeps coordinates as floats and puts random identifiers into
+// its files.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -41,10 +41,9 @@ constexpr std::array kUnits{
     std::pair{"centimeter", LengthUnit::centimetre}, std::pair{"inch", LengthUnit::inch},
     std::pair{"meter", LengthUnit::metre}};
 
-// -------------------------------------------------------------------------------------------------------------
-// out
+// ----------------------------------------------------------------------------------------- writing
 
-// The shortest digits that read back as the same number.
+// Appends the shortest digits that read back as the same number.
 template <class Number>
 void append(std::string& text, Number number) {
   std::array<char, 32> digits{};
@@ -52,7 +51,7 @@ void append(std::string& text, Number number) {
   text.append(digits.data(), result.ptr);
 }
 
-// Elements like <vertex x="1" y="2" z="3"/>, one on a line.
+// Appends elements like <vertex x="1" y="2" z="3"/>, one per line.
 template <class Number>
 void append_element(std::string& text, const std::array<std::string_view, 4>& parts,
                     const std::array<Number, 3>& values) {
@@ -80,7 +79,7 @@ std::string model_xml(const TriangleMesh& mesh, const MeshFileInfo& info) {
       xml += std::string("<metadata name=\"") + name + "\">" + xml_text(value) + "</metadata>\n";
     }
   }
-  // The specification wants a "model" to be closed; a "surface" may be open.
+  // The specification requires a "model" to be closed; a "surface" may be open.
   xml += R"(<resources>)"
          "\n"
          R"(<object id="1" type=")";
@@ -117,8 +116,7 @@ std::string relationships_xml() {
 )";
 }
 
-// --------------------------------------------------------------------------------------------------------------
-// in
+// ----------------------------------------------------------------------------------------- reading
 
 pugi::xml_document parsed(std::string& xml, unsigned int options, const std::string& part,
                           const fs::path& path) {
@@ -129,13 +127,13 @@ pugi::xml_document parsed(std::string& xml, unsigned int options, const std::str
     throw out_of_memory(path, xml.size());
   }
   if (!result) {
-    throw bad_file(path, "its part " + part + " is no XML: " + result.description());
+    throw bad_file(path, "its part " + part + " is not XML: " + result.description());
   }
   return document;
 }
 
-// The root element, null if it is not a model. Its elements have no prefix afterwards, even if the
-// core namespace has one.
+// The root element, or null if it is not a model. If the core namespace has a prefix, it is removed
+// from the element names.
 pugi::xml_node model_in(pugi::xml_document& document) {
   const pugi::xml_node root = document.document_element();
   const std::string name = root.name();
@@ -162,7 +160,7 @@ pugi::xml_node model_in(pugi::xml_document& document) {
 }
 
 // Extensions for colours and identifiers can be ignored; those for slices, beams, encryption and
-// others cannot.
+// others change the mesh.
 void require_known_extensions(const pugi::xml_node& model, const fs::path& path) {
   constexpr std::array<std::string_view, 4> kKnown{
       kCoreNamespace, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
@@ -174,12 +172,12 @@ void require_known_extensions(const pugi::xml_node& model, const fs::path& path)
     if (std::ranges::find(kKnown, name) == kKnown.end()) {
       throw unsupported(path, "needs the 3MF extension " +
                                   one_line(name.empty() ? prefix : name, 100) +
-                                  ", which is not read");
+                                  ", which isoatlas does not read; save it without the extension");
     }
   }
 }
 
-// Where the package says its model is.
+// The path of the model part that the package names.
 std::string model_part(const ZipReader& archive, const fs::path& path) {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
   std::string xml = archive.part(kRelationships, kMostBytes);
@@ -191,10 +189,10 @@ std::string model_part(const ZipReader& archive, const fs::path& path) {
       return target.starts_with('/') ? target.substr(1) : target;
     }
   }
-  throw bad_file(path, "is no 3MF file: its package names no 3-D model");
+  throw bad_file(path, "is not a 3MF file: its package names no 3-D model");
 }
 
-// The first decimal number of `text`, which moves on behind it.
+// Reads the decimal number at the beginning of `text` and removes it from `text`.
 template <class Number>
 bool take_number(std::string_view& text, Number& number) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -204,31 +202,31 @@ bool take_number(std::string_view& text, Number& number) {
   return error == std::errc();
 }
 
-/// The only number of `text`.
+/// Reads `text` as one number; false if it is anything else.
 template <class Number>
 bool take_only_number(std::string_view text, Number& number) {
   return take_number(text, number) && text.find_first_not_of(" \t\r\n") == std::string_view::npos;
 }
 
-// Affine, rows in the order of the file: p * rows[0..2] + rows[3].
+// An affine transform, its rows in the order of the file: p * rows[0..2] + rows[3].
 using Transform = std::array<Vec3, 4>;
 
 constexpr Transform kIdentity{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{}};
 
-Vec3 turned(const Vec3& p, const Transform& t) {
+Vec3 apply_linear_part(const Vec3& p, const Transform& t) {
   return {p.x * t[0].x + p.y * t[1].x + p.z * t[2].x, p.x * t[0].y + p.y * t[1].y + p.z * t[2].y,
           p.x * t[0].z + p.y * t[1].z + p.z * t[2].z};
 }
 
-Vec3 applied(const Transform& t, const Vec3& p) {
-  const Vec3 q = turned(p, t);
+Vec3 apply(const Transform& t, const Vec3& p) {
+  const Vec3 q = apply_linear_part(p, t);
   return {q.x + t[3].x, q.y + t[3].y, q.z + t[3].z};
 }
 
-// First `inner`, then `outer`.
-Transform composed(const Transform& inner, const Transform& outer) {
-  return {turned(inner[0], outer), turned(inner[1], outer), turned(inner[2], outer),
-          applied(outer, inner[3])};
+// The transform that applies `inner` first, then `outer`.
+Transform compose(const Transform& inner, const Transform& outer) {
+  return {apply_linear_part(inner[0], outer), apply_linear_part(inner[1], outer),
+          apply_linear_part(inner[2], outer), apply(outer, inner[3])};
 }
 
 bool is_mirroring(const Transform& t) {
@@ -251,19 +249,21 @@ class ModelReader {
   TriangleMesh mesh() { return std::move(mesh_); }
 
  private:
-  // `place` names the object and says where it goes.
-  void add_object(const pugi::xml_node& place, const Transform& outer, int depth) {
+  // Adds the mesh of an object. `reference` is the element that names the object and its transform.
+  void add_object(const pugi::xml_node& reference, const Transform& outer, int depth) {
     constexpr int kMostDepth = 32;
     constexpr std::size_t kMostPlaced =
-        1'000'000;  // a few components can stand for any number of copies
-    for (const pugi::xml_attribute attribute : place.attributes()) {  // of the production extension
+        1'000'000;  // a few nested components can make any number of copies
+    for (const pugi::xml_attribute attribute :
+         reference.attributes()) {  // paths to other parts come from the production extension
       if (std::string_view(attribute.name()).ends_with(":path")) {
-        throw unsupported(path_,
-                          "keeps its meshes in several parts, expected all of them in one, as the "
-                          "core specification has it");
+        throw unsupported(
+            path_,
+            "keeps its meshes in several parts, expected all of them in one, as in the "
+            "core specification");
       }
     }
-    const std::string id = place.attribute("objectid").value();
+    const std::string id = reference.attribute("objectid").value();
     const auto object = objects_.find(id);
     if (object == objects_.end()) {
       throw bad_file(path_, "has no object " + one_line(id, 40) + ", which it uses");
@@ -272,7 +272,7 @@ class ModelReader {
       throw bad_file(path_, depth > kMostDepth ? "its objects are nested too deeply"
                                                : "its objects are used too often");
     }
-    const Transform transform = composed(transform_of(place), outer);
+    const Transform transform = compose(transform_of(reference), outer);
     if (const pugi::xml_node mesh = object->second.child("mesh")) {
       add_mesh(mesh, transform);
     }
@@ -282,8 +282,8 @@ class ModelReader {
     }
   }
 
-  Transform transform_of(const pugi::xml_node& place) const {
-    const pugi::xml_attribute attribute = place.attribute("transform");
+  Transform transform_of(const pugi::xml_node& reference) const {
+    const pugi::xml_attribute attribute = reference.attribute("transform");
     if (!attribute) {
       return kIdentity;
     }
@@ -302,7 +302,7 @@ class ModelReader {
     const std::size_t first = mesh_.positions.size();
     for (const pugi::xml_node vertex : mesh.child("vertices").children("vertex")) {
       const Vec3 p{coordinate(vertex, "x"), coordinate(vertex, "y"), coordinate(vertex, "z")};
-      mesh_.positions.push_back(transform == kIdentity ? p : applied(transform, p));
+      mesh_.positions.push_back(transform == kIdentity ? p : apply(transform, p));
     }
     const bool is_mirrored = is_mirroring(transform);
     for (const pugi::xml_node triangle : mesh.child("triangles").children("triangle")) {
@@ -357,27 +357,28 @@ class ModelReader {
 
 TriangleMesh read_3mf(const fs::path& path) {
   constexpr std::uint64_t kTreePerByte =
-      20;  // the tree of "<a/>" takes so many times the memory of its text
+      20;  // memory of the parsed "<a/>" divided by the size of its text
   const ZipReader archive(path);
   const std::string part = model_part(archive, path);
   std::string xml = archive.part(part, default_memory_limit() / kTreePerByte);
   pugi::xml_document document = parsed(xml, pugi::parse_minimal, part, path);
   const pugi::xml_node model = model_in(document);
   if (!model) {
-    throw bad_file(path, "is no 3MF file: its part " + one_line(part, 80) + " has no model");
+    throw bad_file(path, "is not a 3MF file: its part " + one_line(part, 80) + " has no model");
   }
   require_known_extensions(model, path);
   return ModelReader(model, path).mesh();
 }
 
 MeshFileInfo info_in_3mf(const fs::path& path) {
-  constexpr std::uint64_t kBeginning = 65536;  // metadata stand before the meshes
+  constexpr std::uint64_t kBeginning = 65536;  // metadata precede the meshes
   const ZipReader archive(path);
   const std::string part = model_part(archive, path);
   std::string xml = archive.beginning_of_part(part, kBeginning);
   xml.resize(std::min({xml.find("<resources"), xml.find(":resources"), xml.size()}));
   pugi::xml_document document;
-  document.load_buffer(xml.data(), xml.size());  // what there is of it: it ends within the model
+  document.load_buffer(xml.data(),
+                       xml.size());  // parses as far as it can: the text ends within the model
   const pugi::xml_node model = model_in(document);
   MeshFileInfo info;
   const std::string unit = model.attribute("unit").value();

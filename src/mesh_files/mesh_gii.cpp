@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// GIfTI 1.0, the surface format of neuroimaging: an XML file with an array of points and one of
-// triangles. Each array is text, or base64 of its bytes, or base64 of its bytes compressed by zlib.
+// GIfTI 1.0, the surface format of neuroimaging: an XML file with an array of points and an array
+// of triangles. Each array is text, or base64 of its bytes, or base64 of its bytes compressed by
+// zlib.
 #include <zlib.h>
 
 #include <algorithm>
@@ -30,12 +31,11 @@ namespace {
 
 constexpr const char* kPoints = "NIFTI_INTENT_POINTSET";
 constexpr const char* kTriangles = "NIFTI_INTENT_TRIANGLE";
-constexpr const char* kSpace = "SPACE";  // 3D Slicer's word for it, as in our other formats
+constexpr const char* kSpace = "SPACE";  // 3D Slicer's name for it, as in the other formats
 constexpr const char* kDescription = "Description";
 constexpr const char* kUnknownSpace = "unknown";
 
-// -------------------------------------------------------------------------------------------------------------
-// out
+// ----------------------------------------------------------------------------------------- writing
 
 std::string metadata_xml(const std::vector<std::pair<const char*, std::string>>& entries) {
   std::string xml = "<MetaData>\n";
@@ -74,8 +74,7 @@ std::string coordinate_system_xml(const MeshFileInfo& info) {
          "1\n</MatrixData>\n</CoordinateSystemTransformMatrix>\n";
 }
 
-// --------------------------------------------------------------------------------------------------------------
-// in
+// ----------------------------------------------------------------------------------------- reading
 
 struct ElementType {
   std::string_view name;
@@ -98,7 +97,7 @@ constexpr std::array kTypes{ElementType{"NIFTI_TYPE_FLOAT32", 4, value_of<float>
                             ElementType{"NIFTI_TYPE_UINT32", 4, value_of<std::uint32_t>},
                             ElementType{"NIFTI_TYPE_INT64", 8, value_of<std::int64_t>}};
 
-// One <DataArray> of rows of three numbers.
+// Reads one <DataArray> of rows of three numbers.
 class ArrayReader {
  public:
   ArrayReader(const pugi::xml_node& array, const std::string& name, const fs::path& path)
@@ -137,7 +136,7 @@ class ArrayReader {
     }
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
     if (count > kMost) {
-      throw error("promises " + text + " rows, more than can be numbered");
+      throw error("has " + text + " rows, expected at most 4294967295");
     }
     return count;
   }
@@ -160,7 +159,7 @@ class ArrayReader {
     }
     if (const std::size_t more = text.find_first_not_of(" \t\r\n");
         more != std::string_view::npos) {
-      throw error("has '" + one_line(text.substr(more, 20)) + "' behind its " +
+      throw error("has '" + one_line(text.substr(more, 20)) + "' after its " +
                   std::to_string(count) + " numbers, expected no more of them");
     }
     return values;
@@ -186,7 +185,7 @@ class ArrayReader {
     return values;
   }
 
-  std::string unpacked(std::uint64_t promised, const std::string& encoding) const {
+  std::string unpacked(std::uint64_t stated, const std::string& encoding) const {
     const bool is_packed = encoding == "GZipBase64Binary";
     if (!is_packed && encoding != "Base64Binary") {
       throw unsupported(path_, "keeps its array of " + name_ + " with the encoding '" +
@@ -195,23 +194,23 @@ class ArrayReader {
     }
     std::string bytes = from_base64(data());
     if (is_packed) {
-      require_possible_bytes(path_, promised, bytes.size());
-      bytes = inflated(bytes, promised);
+      require_possible_bytes(path_, stated, bytes.size());
+      bytes = inflated(bytes, stated);
     }
-    if (bytes.size() != promised) {
-      throw error("is cut off or damaged: " + std::to_string(promised) +
-                  " bytes were promised, there are " + std::to_string(bytes.size()));
+    if (bytes.size() != stated) {
+      throw error("is cut off or damaged: it has " + std::to_string(bytes.size()) +
+                  " bytes of values, expected " + std::to_string(stated));
     }
     return bytes;
   }
 
-  // One byte more than promised is enough to know that there are too many.
-  std::string inflated(const std::string& packed, std::uint64_t promised) const {
-    std::string bytes(promised + 1, '\0');
+  // One byte more than stated shows that there are too many.
+  std::string inflated(const std::string& packed, std::uint64_t stated) const {
+    std::string bytes(stated + 1, '\0');
     z_stream stream{};
     constexpr int kAnyHeader = 15 + 32;  // zlib or gzip
     if (inflateInit2(&stream, kAnyHeader) != Z_OK) {
-      throw out_of_memory(path_, promised);
+      throw out_of_memory(path_, stated);
     }
     int status = Z_OK;
     std::size_t taken = 0;
@@ -248,10 +247,11 @@ pugi::xml_document parsed(std::string& xml, const fs::path& path) {
   pugi::xml_document document;
   const pugi::xml_parse_result result = document.load_buffer_inplace(xml.data(), xml.size());
   if (!document.child("GIFTI")) {
-    throw bad_file(path, "is no GIfTI file");
+    throw bad_file(path, "is not a GIfTI file");
   }
   if (!result) {
-    throw bad_file(path, std::string("is damaged or cut off: as XML, ") + result.description());
+    throw bad_file(path, std::string("is damaged or cut off: it is not well-formed XML: ") +
+                             result.description());
   }
   return document;
 }
@@ -274,7 +274,7 @@ pugi::xml_node only_array(const pugi::xml_node& gifti, const char* intent, const
   return found;
 }
 
-// Whole numbers in range are kept, all else becomes an index that no mesh has.
+// An integer in range is kept; any other value becomes an index that no mesh has.
 std::uint32_t corner(double value) {
   return value >= 0 && value < kIndexOutOfRange &&
                  value == static_cast<double>(static_cast<std::uint32_t>(value))
@@ -302,7 +302,7 @@ MeshFileInfo info_in_gii(const fs::path& path) {
   std::string xml = file_contents(path);
   const pugi::xml_document document = parsed(xml, path);
   MeshFileInfo info{
-      .space = "RAS", .comment = "", .unit = LengthUnit::millimetre};  // what GIfTI is agreed to be
+      .space = "RAS", .comment = "", .unit = LengthUnit::millimetre};  // the convention of GIfTI
   for (const pugi::xml_node entry : document.child("GIFTI").child("MetaData").children("MD")) {
     const std::string name = entry.child("Name").child_value();
     if (name == kSpace) {
@@ -322,7 +322,8 @@ MeshFileInfo info_in_gii(const fs::path& path) {
 
 void write_gii(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
   if (mesh.positions.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw bad_file(file.destination(), "not written: more vertices than a GIfTI file can number");
+    throw bad_file(file.destination(),
+                   "not written: it has more vertices than a GIfTI file can number (2147483647)");
   }
   std::vector<Float3> points;
   points.reserve(mesh.positions.size());

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wavefront OBJ: `v` and `f` lines; the rest (normals, texture, groups, materials) is passed over.
+// Wavefront OBJ: reads `v` and `f` lines and skips the others (normals, texture, groups,
+// materials).
 //
-// Not through vtkOBJReader: it stores float positions and, where a file has normals or texture
-// coordinates, makes a vertex of its own for every corner, which tears the mesh into loose
-// triangles.
+// vtkOBJReader is not used: it stores float positions, and in a file with normals or texture
+// coordinates it makes a separate vertex for every corner, so that no two triangles share one.
 #include <string>
 
 #include "files/file_error.h"
@@ -16,8 +16,8 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// The next word of a statement, which a backslash at the end of a line continues in the next; empty
-// at its end.
+// The next word of a statement, which continues on the next line after a backslash at the end of a
+// line; empty at the end of the statement.
 std::string_view word_of_statement(TextScanner& scanner) {
   for (;;) {
     std::string_view word = scanner.word();
@@ -43,7 +43,7 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
   TriangleMesh mesh;
   PolygonCutter polygons(mesh);
   std::vector<std::uint32_t> corners;
-  // "7", "7/1", "7/1/2" or "7//2": the position comes first
+  // "7", "7/1", "7/1/2" or "7//2": the position is the first number
   const auto corner_of = [&](std::string_view corner) {
     const std::int64_t index =
         scanner.to_integer(corner.substr(0, corner.find('/')), "a vertex number");
@@ -51,7 +51,8 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
       throw scanner.error("vertex number 0, but vertices are numbered from 1");
     }
     const auto count = static_cast<std::int64_t>(mesh.positions.size());
-    return vertex_index(index > 0 ? index - 1 : count + index);  // -1 is the last vertex so far
+    return vertex_index(index > 0 ? index - 1
+                                  : count + index);  // -1 is the last vertex read so far
   };
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Object File Format, ascii: "OFF", then the numbers of vertices, faces and edges, then one line
-// each. Variants with colours or normals (COFF, NOFF, ...) keep the position first in the line, the
-// rest of which is passed over.
+// for each vertex and face. Variants with colours or normals (COFF, NOFF, ...) also begin each line
+// with the position; the rest of the line is skipped.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -16,14 +16,14 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// The first word of the next line that has one besides a comment.
+// The first word of the next line that is neither empty nor a comment.
 std::string_view first_word_of_next_line(TextScanner& scanner) {
   while (scanner.next_line()) {
     if (const std::string_view word = scanner.word(); !word.empty() && !word.starts_with('#')) {
       return word;
     }
   }
-  throw scanner.error("the file ends here, more lines were promised");
+  throw scanner.error("the file ends here, expected more lines");
 }
 
 }  // namespace
@@ -47,10 +47,10 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   }
   const std::int64_t vertices = scanner.to_integer(word, "the number of vertices");
   const std::int64_t faces = scanner.integer("the number of faces");
-  // "0 0 0\n" and "0\n" are the shortest lines
+  // The shortest lines are "0 0 0\n" for a vertex and "0\n" for a face.
   const auto remaining = static_cast<std::int64_t>(scanner.remaining()) + 1;
   if (vertices < 0 || faces < 0 || vertices > remaining / 6 || faces > remaining / 2) {
-    throw scanner.error("promises " + std::to_string(vertices) + " vertices and " +
+    throw scanner.error("states " + std::to_string(vertices) + " vertices and " +
                         std::to_string(faces) + " faces, the file is too short for them");
   }
 

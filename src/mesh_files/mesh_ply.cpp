@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stanford PLY. Written binary little endian with double positions; read in all three encodings.
+// Stanford PLY. Written in binary little endian with double positions; read in all three encodings.
 //
-// Not through VTK: its PLY reader and writer keep float positions, so scanner coordinates some 1000
-// mm from the origin lose all but 0.0001 mm and two vertices of a small triangle can become one.
+// VTK's PLY reader and writer are not used: they keep float positions. In scanner coordinates, 1000
+// mm from the origin, that loses everything below 0.0001 mm, and two vertices of a small triangle
+// can become equal.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -26,7 +27,8 @@ enum class PlyEncoding { ascii, little_endian, big_endian };
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::float32;
-  std::optional<PlyType> list_count_type;  // set: the property is a list, with its length before it
+  std::optional<PlyType>
+      list_count_type;  // set if the property is a list, which begins with its length
 };
 
 struct PlyElement {
@@ -38,7 +40,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::size_t bytes = 0, lines = 0;  // of the header
+  std::size_t bytes = 0, lines = 0;  // size of the header
 };
 
 PlyType ply_type(const TextScanner& scanner, std::string_view word) {
@@ -125,13 +127,14 @@ PlyHeader read_header(const std::string& contents, const std::filesystem::path& 
   return header;
 }
 
-// Values from the body, one after the other. All PLY types fit in a double exactly.
+// Reads the values of the body in order. Every value of every PLY type is exact as a double.
 class AsciiValues {
  public:
   AsciiValues(std::string_view body, const std::filesystem::path& path, std::size_t lines_before)
       : scanner_(body, path, lines_before) {}
   double next(PlyType) { return scanner_.to_number(scanner_.next_word(), "a number"); }
-  // The end of the text will say it: nothing is allocated ahead.
+  // Always possible: nothing is allocated in advance, and the end of the text is reported where it
+  // is reached.
   std::uint64_t most_values(PlyType) const { return std::numeric_limits<std::uint64_t>::max(); }
 
  private:
@@ -206,13 +209,13 @@ TriangleMesh read_body(Values& values, const PlyHeader& header, const std::files
   std::vector<std::uint32_t> corners;
   for (const PlyElement& element : header.elements) {
     if (element.properties.empty()) {
-      continue;  // no data, however many there are
+      continue;  // elements without properties have no data
     }
     const bool is_vertex = element.name == "vertex";
     const bool is_face = element.name == "face";
     const PlyProperty& first = element.properties.front();
     if (element.count > values.most_values(first.list_count_type.value_or(first.type))) {
-      throw bad_file(path, "promises " + std::to_string(element.count) + " elements '" +
+      throw bad_file(path, "states " + std::to_string(element.count) + " elements '" +
                                one_line(element.name, 40) + "', the file is too short for them");
     }
     if (is_vertex) {
@@ -293,7 +296,7 @@ void write_ply(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   out.text("element vertex " + std::to_string(mesh.positions.size()) + "\n");
   out.text("property double x\nproperty double y\nproperty double z\n");
   out.text("element face " + std::to_string(mesh.triangles.size()) + "\n");
-  // Most readers expect int; indices beyond it are still exact as uint.
+  // Most readers expect int; indices above its range are still exact as uint.
   const bool fits_int = mesh.positions.size() <= std::size_t{1} << 31;
   out.text(std::string("property list uchar ") + (fits_int ? "int" : "uint") +
            " vertex_indices\nend_header\n");

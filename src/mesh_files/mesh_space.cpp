@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which space a mesh file says its coordinates are in. The way to say it is 3D Slicer's:
-// "SPACE=RAS" in a comment or in the header, in .vtp a text field of that name.
+// The space of the coordinates that a mesh file states. As in 3D Slicer: "SPACE=RAS" in a comment
+// or in the header, in .vtp a text field of that name.
 
 #include <algorithm>
 #include <cctype>
@@ -23,7 +23,7 @@ std::string space_in_text(const std::filesystem::path& path) {
   std::size_t found = text.find(kKey);
   while (found != std::string::npos && found > 0 &&
          std::isalnum(static_cast<unsigned char>(text[found - 1])) != 0) {
-    found = text.find(kKey, found + 1);  // COLORSPACE=
+    found = text.find(kKey, found + 1);  // skips COLORSPACE=
   }
   if (found == std::string::npos) return {};
   const auto first = text.begin() + static_cast<std::ptrdiff_t>(found + kKey.size());

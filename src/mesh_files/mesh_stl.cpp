@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// STL: triangles as three float positions, no indices. Whoever reads one finds the shared vertices
-// by equal positions.
+// STL: triangles as three float positions, without indices. Readers find the shared vertices by
+// equal positions.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -30,7 +30,7 @@ Float3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
   const double length = std::hypot(n.x, n.y, n.z);
   if (!std::isfinite(length) || length == 0) {
-    return {0, 0, 0};  // readers then take the normal from the corners
+    return {0, 0, 0};  // readers then compute the normal from the corners
   }
   return {static_cast<float>(n.x / length), static_cast<float>(n.y / length),
           static_cast<float>(n.z / length)};
@@ -59,7 +59,7 @@ TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path
   TextScanner scanner(contents, path);
   TriangleMesh mesh;
   PositionTable<double> table(contents.size() /
-                              12);  // "vertex 0 0 0" is the shortest line of a corner
+                              12);  // length of the shortest line of a corner, "vertex 0 0 0"
   std::vector<std::uint32_t> corners;
   bool is_inside_solid = false;
   bool is_inside_loop = false;
@@ -107,7 +107,7 @@ TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path
 TriangleMesh read_stl(const std::filesystem::path& path) {
   static_assert(std::endian::native == std::endian::little, "binary STL is little endian");
   const std::string contents = file_contents(path);
-  // Some binary files start with "solid" too: the size tells them apart.
+  // Some binary files begin with "solid" too: the file size shows which kind it is.
   std::uint32_t triangle_count = 0;
   if (contents.size() >= kHeaderBytes + sizeof triangle_count) {
     std::memcpy(&triangle_count, contents.data() + kHeaderBytes, sizeof triangle_count);
@@ -119,25 +119,26 @@ TriangleMesh read_stl(const std::filesystem::path& path) {
   }
   const std::size_t first = contents.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   const bool is_text =
-      contents.find('\0') == std::string::npos;  // every triangle ends in two zero bytes
+      contents.find('\0') == std::string::npos;  // in binary, every triangle ends in two zero bytes
   if (is_text && first != std::string::npos && lower_case(contents.substr(first, 5)) == "solid") {
     return read_ascii(contents, path);
   }
   if (contents.size() < kHeaderBytes + sizeof triangle_count) {
     throw bad_file(path, "is too short for an STL file");
   }
-  throw bad_file(path, "promises " + std::to_string(triangle_count) + " triangles, which are " +
+  throw bad_file(path, "states " + std::to_string(triangle_count) + " triangles, which are " +
                            std::to_string(binary_bytes) + " bytes, but has " +
                            std::to_string(contents.size()));
 }
 
 void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
   if (mesh.triangles.size() > 0xFFFF'FFFFU) {
-    throw bad_file(file.destination(), "not written: more triangles than an STL file can count");
+    throw bad_file(file.destination(),
+                   "not written: it has more triangles than an STL file can count (4294967295)");
   }
   OutputBuffer out(file.stream());
-  // Never "solid" at the start: that marks an ascii file. The space comes first, the comment may be
-  // cut.
+  // Does not begin with "solid", which marks an ascii file. The space precedes the comment, which
+  // may be cut.
   std::string header = info.space.empty() ? "STL" : "SPACE=" + info.space;
   header += info.comment.empty() ? "" : " " + info.comment;
   header.resize(kHeaderBytes, '\0');

@@ -10,7 +10,8 @@
 
 namespace isoatlas::detail::io {
 
-/// Collects small pieces and hands them to a stream in large ones. Call flush() at the end.
+/// Collects small pieces of text or data and writes them to a stream in large blocks. Call flush()
+/// at the end.
 class OutputBuffer {
  public:
   explicit OutputBuffer(std::ostream& stream) : stream_(stream) {
@@ -24,7 +25,7 @@ class OutputBuffer {
     }
   }
 
-  /// The shortest digits that read back as the same number, the same in every locale.
+  /// Writes the shortest digits that read back as the same number, the same in every locale.
   template <class Number>
   void number(Number value) {
     char digits[32];
@@ -32,7 +33,7 @@ class OutputBuffer {
     text({digits, result.ptr});
   }
 
-  /// The value's own bytes.
+  /// Writes the bytes of the value as in memory.
   template <class Value>
   void bytes(const Value& value) {
     static_assert(std::is_trivially_copyable_v<Value>);

@@ -12,11 +12,11 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// Longer ones stay fans: cutting takes the square of the number of corners, and more where it is
-// hard.
+// Polygons with more corners stay fans: cutting takes time proportional to the square of the number
+// of corners, or more for difficult shapes.
 constexpr std::size_t kMostCorners = 1000;
 
-/// Twice the area of a polygon that need not be flat, along its mean normal (Newell's formula).
+/// Twice the area of a polygon, which need not be flat, times its mean normal (Newell's formula).
 Vec3 area_normal(std::span<const Vec3> positions, std::span<const std::uint32_t> corners) {
   Vec3 sum;
   const Vec3 origin = positions[corners[0]];
@@ -30,12 +30,12 @@ struct Point {
   double x = 0, y = 0;
 };
 
-/// Positive where c is to the left of the way from a to b.
+/// Positive if c is to the left of the line from a to b.
 double turn(Point a, Point b, Point c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// The polygon without the coordinate along which its normal is longest, counter-clockwise.
+/// The polygon projected along the longest coordinate of its normal, counter-clockwise.
 std::vector<Point> flattened(std::span<const Vec3> positions,
                              std::span<const std::uint32_t> corners, Vec3 normal) {
   const Vec3 n{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
@@ -52,8 +52,8 @@ std::vector<Point> flattened(std::span<const Vec3> positions,
   return points;
 }
 
-/// Cuts off one ear after the other: a corner whose triangle lies inside the polygon. None: at some
-/// step there was no ear.
+/// Cuts off one ear after another; an ear is a corner whose triangle lies inside the polygon.
+/// Nothing if no ear is left at some step.
 std::optional<std::vector<std::array<std::size_t, 3>>> cut_ears(std::span<const Point> points) {
   std::vector<std::size_t> left(points.size());
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i;
@@ -97,7 +97,7 @@ void PolygonCutter::cut_concave() {
     const std::span<const std::uint32_t> corners(corners_.data() + polygon.first_corner,
                                                  polygon.corner_count);
     if (std::ranges::any_of(corners, [&](std::uint32_t v) { return v >= positions.size(); }))
-      continue;  // read_mesh refuses it
+      continue;  // read_mesh refuses such a mesh
     const Vec3 normal = area_normal(positions, corners);
     bool is_sound = true;
     for (std::size_t i = 1; is_sound && i + 1 < corners.size(); ++i) {

@@ -12,24 +12,24 @@ namespace isoatlas::detail::io {
 
 constexpr std::uint32_t kIndexOutOfRange = std::numeric_limits<std::uint32_t>::max();
 
-/// An index from a file as a vertex index. What does not fit becomes kIndexOutOfRange, which no
-/// mesh has: read_mesh's check of all indices reports it.
+/// Converts an index from a file to a vertex index. An index that does not fit becomes
+/// kIndexOutOfRange, which is out of range in every mesh, so read_mesh reports it.
 inline std::uint32_t vertex_index(std::int64_t index) {
   return index >= 0 && index < std::int64_t{kIndexOutOfRange} ? static_cast<std::uint32_t>(index)
                                                               : kIndexOutOfRange;
 }
 
-/// Cuts the polygons of a file into triangles. Fewer than three corners (points, lines) add
-/// nothing.
+/// Cuts the polygons of a file into triangles. Polygons of fewer than three corners (points, lines)
+/// add no triangles.
 class PolygonCutter {
  public:
   explicit PolygonCutter(TriangleMesh& mesh) : mesh_(mesh) {}
 
-  /// Adds a polygon as triangles around its first corner.
+  /// Adds a polygon as a fan of triangles around its first corner.
   void append(std::span<const std::uint32_t> corners);
 
-  /// Replaces the fans of concave polygons by triangles inside them. Call it when all positions are
-  /// known.
+  /// Replaces the fans of concave polygons by triangles inside the polygons. Call it when all
+  /// positions are known.
   void cut_concave();
 
  private:
@@ -38,8 +38,8 @@ class PolygonCutter {
   };
 
   TriangleMesh& mesh_;
-  std::vector<Polygon> polygons_ = {};       // of more than three corners
-  std::vector<std::uint32_t> corners_ = {};  // of all of these
+  std::vector<Polygon> polygons_ = {};       // those of more than three corners
+  std::vector<std::uint32_t> corners_ = {};  // corners of all these polygons
 };
 
 }  // namespace isoatlas::detail::io

@@ -12,11 +12,11 @@
 
 namespace isoatlas::detail::io {
 
-/// Numbers positions in the order of their first appearance; equal positions get one number. 0 and
-/// -0 are equal.
+/// Numbers positions in the order of their first appearance; equal positions get the same number. 0
+/// and -0 are equal.
 ///
-/// Floats are compared as floats, not widened to double: g++ 12 with -O2 drops both conversions of
-/// a double that is narrowed and widened again, and would tell apart what a float cannot.
+/// Floats are compared as floats, not converted to double: g++ 12 with -O2 removes the conversions
+/// of a double to float and back, so positions that are equal as floats would compare as different.
 template <class Coordinate>
 class PositionTable {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levels of detail from binary glTF, by tinygltf: nothing here is shared with the writer, whose
-// files it certifies.
+// Reads levels of detail from binary glTF, by tinygltf. Shares no code with the writer, whose files
+// it checks.
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -26,8 +26,8 @@ std::uint32_t number_at(const std::string& contents, std::size_t offset) {
   return number;
 }
 
-// What tinygltf does not look at before it reads: the length in the header, and lists in lists in
-// lists, which it descends into.
+// Checks what tinygltf does not check before it reads: the length in the header, and the nesting of
+// lists, into which it recurses.
 void require_container(const std::string& contents, const fs::path& path) {
   constexpr std::size_t kJsonStart = 20;
   constexpr int kMostDepth = 64;
@@ -35,11 +35,11 @@ void require_container(const std::string& contents, const fs::path& path) {
     throw bad_file(path, "is not a binary glTF file");
   }
   if (number_at(contents, 8) != contents.size()) {
-    throw bad_file(path, "promises " + std::to_string(number_at(contents, 8)) + " bytes, but has " +
+    throw bad_file(path, "states " + std::to_string(number_at(contents, 8)) + " bytes, but has " +
                              std::to_string(contents.size()));
   }
   if (number_at(contents, 12) > contents.size() - kJsonStart) {
-    throw bad_file(path, "its JSON is cut off");
+    throw bad_file(path, "is cut off: its JSON ends too early");
   }
   int depth = 0;
   bool is_text = false;
@@ -60,8 +60,8 @@ void require_container(const std::string& contents, const fs::path& path) {
   }
 }
 
-// Extensions for appearance can be ignored; extensions that move vertices or store them in another
-// way cannot.
+// Extensions for appearance can be ignored; extensions that move vertices or store them differently
+// cannot.
 void require_known_extensions(const std::string& contents, const fs::path& path) {
   constexpr std::size_t kJson = 20;  // after the file's and the chunk's headers
   std::uint32_t bytes = 0;
@@ -79,7 +79,8 @@ void require_known_extensions(const std::string& contents, const fs::path& path)
     if (std::ranges::none_of(kKnown,
                              [&](std::string_view known) { return name.starts_with(known); })) {
       throw unsupported(path,
-                        "needs the glTF extension " + one_line(name, 80) + ", which is not read");
+                        "needs the glTF extension " + one_line(name, 80) +
+                            ", which isoatlas does not read; export it without the extension");
     }
   }
 }
@@ -88,7 +89,7 @@ tinygltf::Model load(std::string contents, const fs::path& path) {
   require_container(contents, path);
   require_known_extensions(contents, path);
   tinygltf::TinyGLTF loader;
-  // Only this file: nothing it names is opened, no picture decoded.
+  // Reads this file only: files that it names are not opened, and pictures are not decoded.
   tinygltf::FsCallbacks files{};
   files.FileExists = [](const std::string&, void*) { return false; };
   files.ExpandFilePath = [](const std::string& name, void*) { return name; };
@@ -131,20 +132,20 @@ class Reader {
                                   : -1));
       }
     }
-    std::ranges::reverse(nodes);  // the extension has the finest first
+    std::ranges::reverse(nodes);  // the extension lists the finest first
     bool any_json = false;
     for (const tinygltf::Node* n : nodes) {
       const tinygltf::Mesh& mesh = at(model_.meshes, n->mesh, "mesh");
       require_stored_shape(*n, mesh);
       levels.meshes.push_back(mesh_of(mesh, place.parent + translation_of(*n)));
       levels.distances.push_back(distance_of(mesh));
-      levels.info.levels.push_back(ours(mesh.extras_json_string).dump());
+      levels.info.levels.push_back(isoatlas_extras(mesh.extras_json_string).dump());
       any_json = any_json || levels.info.levels.back() != "null";
     }
     if (!any_json) {
       levels.info.levels.clear();
     }
-    const nlohmann::json about = ours(model_.asset.extras_json_string);
+    const nlohmann::json about = isoatlas_extras(model_.asset.extras_json_string);
     if (about.contains("space") && about["space"].is_string()) {
       about["space"].get_to(levels.info.mesh.space);
     }
@@ -159,12 +160,12 @@ class Reader {
   template <class Item>
   const Item& at(const std::vector<Item>& items, int index, const char* missing) const {
     if (index < 0 || static_cast<std::size_t>(index) >= items.size()) {
-      throw bad_file(path_, std::string("names a ") + missing + " that is not there");
+      throw bad_file(path_, std::string("names a ") + missing + " that it does not have");
     }
     return items[static_cast<std::size_t>(index)];
   }
 
-  // Morph targets and bones move vertices away from the positions that are stored.
+  // Morph targets and skeletons move vertices away from the stored positions.
   void require_stored_shape(const tinygltf::Node& n, const tinygltf::Mesh& mesh) const {
     const std::vector<double>& weights = n.weights.empty() ? mesh.weights : n.weights;
     if (std::ranges::any_of(weights, [](double weight) { return weight != 0; })) {
@@ -179,18 +180,18 @@ class Reader {
 
   struct PlacedNode {
     int index = -1;
-    Vec3 parent;  // where the node's own coordinates begin
+    Vec3 parent;  // translation of the parent node
   };
 
-  // The only node of the scene with a mesh. Cameras, lights and empty nodes may be beside and
-  // around it.
+  // Finds the only node of the scene with a mesh. There may be cameras, lights and empty nodes
+  // beside and around it.
   PlacedNode finest_node() const {
     std::vector<PlacedNode> open, found;
-    if (model_.scenes.empty()) {  // without scenes all nodes are shown
+    if (model_.scenes.empty()) {  // without scenes, all nodes belong to the scene
       std::vector<bool> is_child(model_.nodes.size());
       for (const tinygltf::Node& n : model_.nodes) {
         for (const int child : n.children) {
-          node(child);  // throws if there is none
+          node(child);  // throws if it does not exist
           is_child[static_cast<std::size_t>(child)] = true;
         }
       }
@@ -207,12 +208,12 @@ class Reader {
       open.pop_back();
       const tinygltf::Node& n = node(next.index);
       if (++visits > model_.nodes.size()) {
-        throw bad_file(path_, "has a node that is below itself, or below two others");
+        throw bad_file(path_, "has a node that is its own ancestor, or has two parents");
       }
       if (n.mesh >= 0) found.push_back(next);
       if (!n.children.empty()) {
-        const Vec3 place = next.parent + translation_of(n);
-        for (const int child : n.children) open.push_back({child, place});
+        const Vec3 position = next.parent + translation_of(n);
+        for (const int child : n.children) open.push_back({child, position});
       }
     }
     if (found.size() != 1) {
@@ -228,7 +229,7 @@ class Reader {
 
   Vec3 translation_of(const tinygltf::Node& n) const {
     constexpr std::array<double, 16> kUnitMatrix{1, 0, 0, 0, 0, 1, 0, 0,
-                                                 0, 0, 1, 0, 0, 0, 0, 1};  // columns
+                                                 0, 0, 1, 0, 0, 0, 0, 1};  // column by column
     const bool turns = !n.rotation.empty() && n.rotation != std::vector<double>{0, 0, 0, 1};
     const bool scales = !n.scale.empty() && n.scale != std::vector<double>{1, 1, 1};
     const bool has_matrix = n.matrix.size() == kUnitMatrix.size();
@@ -236,15 +237,15 @@ class Reader {
     for (std::size_t i = 0; has_matrix && i < kUnitMatrix.size(); ++i)
       is_plain = is_plain && ((i >= 12 && i < 15) || n.matrix[i] == kUnitMatrix[i]);
     if (!is_plain) {
-      throw unsupported(path_, "has a node that is turned or scaled, expected translations only");
+      throw unsupported(path_, "has a node that is rotated or scaled, expected translations only");
     }
     if (has_matrix) return {n.matrix[12], n.matrix[13], n.matrix[14]};
     return n.translation.size() == 3 ? Vec3{n.translation[0], n.translation[1], n.translation[2]}
                                      : Vec3{};
   }
 
-  // Our part of what an object says beyond glTF; null if there is none.
-  nlohmann::json ours(const std::string& extras) const {
+  // The part of an object's `extras` that isoatlas wrote; null if there is none.
+  nlohmann::json isoatlas_extras(const std::string& extras) const {
     const nlohmann::json json = nlohmann::json::parse(extras, nullptr, false);
     return json.is_object() && json.contains("isoatlas") && json["isoatlas"].is_object()
                ? json["isoatlas"]
@@ -275,7 +276,7 @@ class Reader {
          (view.byteLength - accessor.byteOffset >= element_bytes &&
           (count - 1) <= (view.byteLength - accessor.byteOffset - element_bytes) / stride));
     if (!fits) {
-      throw bad_file(path_, "promises more elements than it has");
+      throw bad_file(path_, "has an accessor with more elements than its data");
     }
     return {bytes.data() + view.byteOffset + accessor.byteOffset, count, stride};
   }
@@ -289,7 +290,7 @@ class Reader {
     const auto position = primitive.attributes.find("POSITION");
     if ((primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1) ||
         position == primitive.attributes.end() || primitive.indices < 0) {
-      throw unsupported(path_, "has a mesh that is no list of triangles with indices");
+      throw unsupported(path_, "has a mesh that is not a list of triangles with indices");
     }
     TriangleMesh mesh;
     if (at(model_.accessors, position->second, "accessor").componentType !=
@@ -333,12 +334,13 @@ class Reader {
     }
     const Elements indices = elements(accessor, TINYGLTF_TYPE_SCALAR, bytes);
     if (indices.count % 3 != 0) {
-      throw bad_file(path_, "has a list of triangles that ends within one");
+      throw bad_file(path_, "has a list of triangles that ends within a triangle");
     }
     mesh.triangles.resize(indices.count / 3);
     for (std::size_t i = 0; i < indices.count; ++i) {
       std::uint32_t index = 0;
-      std::memcpy(&index, indices.first + i * indices.stride, bytes);  // little endian, as we are
+      std::memcpy(&index, indices.first + i * indices.stride,
+                  bytes);  // little endian, as this machine
       mesh.triangles[i / 3][i % 3] = index;
     }
   }

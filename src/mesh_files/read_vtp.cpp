@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML poly data. VTK's own reader returns what was in memory where values are missing and
-// allocates whatever sizes a damaged file states, so this one reads the arrays that a mesh needs:
-// points, polygons and strips.
+// VTK's XML poly data. VTK's own reader returns uninitialised memory where values are missing and
+// allocates any size that a damaged file states. So this reader is used; it reads the arrays that a
+// mesh needs: points, polygons and strips.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 VtkXmlHeader read_poly_data_header(const fs::path& path) {
-  constexpr std::size_t kBeginning = 1024;  // bytes; only a comment could come before the element
+  constexpr std::size_t kBeginning = 1024;  // bytes; only a comment can precede the element
   if (first_bytes(path, kBeginning).find("<VTKFile") == std::string::npos) {
     throw bad_file(path, "is not a VTK XML poly data file");
   }
@@ -45,7 +45,7 @@ std::uint64_t count_of(const VtkXmlHeader& header, const XmlElement& element, st
     return otherwise;
   }
   const double count = numbers.front();
-  constexpr double kMost = 1e15;  // below which a double is exact
+  constexpr double kMost = 1e15;  // integers up to here are exact as double
   if (!(count >= 0 && count <= kMost) ||
       count != static_cast<double>(static_cast<std::uint64_t>(count))) {
     throw bad_file(header.path, "its " + std::string(name) + " is '" +
@@ -61,8 +61,8 @@ const XmlElement* named_array(const XmlElement& element, std::string_view name) 
   return found == element.children.end() ? nullptr : &*found;
 }
 
-/// Calls `use` with each value in turn, in a type of its own. Memory grows with the values that are
-/// there, not with those that the file promises.
+/// Calls `use` with each value, in its stored type. Memory grows with the values read, not with the
+/// number that the file states.
 template <class Use>
 void for_each_value(const VtkXmlHeader& header, const XmlElement& array, std::uint64_t count,
                     Use use) {
@@ -126,7 +126,7 @@ void append_points(TriangleMesh& mesh, const VtkXmlHeader& header, const XmlElem
   });
 }
 
-// Every other triangle of a strip runs the other way round.
+// Every second triangle of a strip has the opposite orientation.
 void append_strip(TriangleMesh& mesh, const std::vector<std::uint32_t>& corners) {
   for (std::size_t i = 2; i < corners.size(); ++i) {
     const bool is_even = i % 2 == 0;
@@ -135,8 +135,8 @@ void append_strip(TriangleMesh& mesh, const std::vector<std::uint32_t>& corners)
   }
 }
 
-/// Cells are two arrays: all their points one after the other, and where each cell's points end
-/// among them.
+/// Cells are stored in two arrays: the points of all cells in sequence, and the position where each
+/// cell's points end.
 template <class AppendCell>
 void append_cells(const VtkXmlHeader& header, const XmlElement& piece, const char* kind,
                   std::uint64_t first_point, AppendCell append_cell) {
@@ -226,7 +226,7 @@ TriangleMesh read_vtp(const fs::path& path, std::map<std::string, std::string>& 
   }
   polygons.cut_concave();
   if (distance.size() != mesh.positions.size()) {
-    distance.clear();  // not all pieces have them
+    distance.clear();  // ignored unless all pieces have them
   }
   return mesh;
 }

@@ -21,8 +21,8 @@ constexpr std::uint32_t kUnknown = 0xFFFF'FFFFU;
 constexpr const char* kAdvice =
     "; write .ply, .obj, .off, .vtp, .3mf or .vtm instead, which keep double precision";
 
-// Vertices that stay apart can still end up on a line: rounding has to be small beside what the
-// mesh is made of.
+// Vertices with different positions can still become collinear, so the rounding must be small
+// compared with the edges.
 constexpr double kMostRoundingPerEdge = 0.1;
 
 std::string number(double value) {
@@ -46,7 +46,8 @@ class Comparison {
   Comparison(const std::filesystem::path& path, std::string_view what)
       : path_(path), where_(what.empty() ? "" : " of " + std::string(what)) {}
 
-  /// For each vertex of `written` its number in `read`; kUnknown for those in no triangle.
+  /// For each vertex of `written` its number in `read`; kUnknown for vertices that are in no
+  /// triangle.
   std::vector<std::uint32_t> counterparts(const TriangleMesh& written,
                                           const TriangleMesh& read) const {
     require(written.triangles.size() == read.triangles.size(),
@@ -63,7 +64,7 @@ class Comparison {
           throw merged(to_written[r], w);
         }
         require(to_read[w] == kUnknown || to_read[w] == r,
-                "vertex " + std::to_string(w) + where_ + " was torn apart");
+                "vertex " + std::to_string(w) + where_ + " became several vertices");
         to_read[w] = r;
         to_written[r] = w;
       }
@@ -71,11 +72,11 @@ class Comparison {
     return to_read;
   }
 
-  /// Formats that keep indices may hold two vertices at one position, but not because they put them
-  /// there.
+  /// In formats with indices, two vertices may have had one position before, but rounding must not
+  /// have merged them.
   void require_none_merged(const TriangleMesh& written, const TriangleMesh& read) const {
     PositionTable<double> table(read.positions.size());
-    std::vector<std::uint32_t> first;  // vertex at each position
+    std::vector<std::uint32_t> first;  // first vertex at each position
     for (std::uint32_t v = 0; v < read.positions.size(); ++v) {
       const Vec3& p = read.positions[v];
       const std::uint32_t number = table.number_of({p.x, p.y, p.z});
@@ -90,7 +91,7 @@ class Comparison {
   void require_same_topology(const TriangleMesh& written, const TriangleMesh& read) const {
     MeshTopology a = mesh_topology(written);
     MeshTopology b = mesh_topology(read);
-    std::ranges::sort(a.components);  // their order hangs on the numbers of the vertices
+    std::ranges::sort(a.components);  // their order depends on the numbers of the vertices
     std::ranges::sort(b.components);
     require(a.edges == b.edges && a.degenerate_triangles == b.degenerate_triangles &&
                 a.non_manifold_edges == b.non_manifold_edges &&

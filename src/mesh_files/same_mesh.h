@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is what was written what was meant? Asked of every file that rounds positions, before it appears.
+// Checks that a written file holds the mesh that was to be written. Done for every file with
+// rounded positions, before it gets its name.
 #pragma once
 
 #include <array>
@@ -15,30 +16,30 @@ namespace isoatlas::detail::io {
 
 using Float3 = std::array<float, 3>;
 
-/// The position of a vertex as a file of floats has it.
-/// @throws Error(bad_file) if it is out of their range
+/// The position of a vertex as a file of floats stores it.
+/// @throws Error(bad_file) if it is out of the range of float
 Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::path& path);
 
-/// All of them, around `translation`, as doubles.
+/// All positions rounded to float relative to `translation`, as doubles.
 std::vector<Vec3> all_rounded(const std::vector<Vec3>& positions, const Vec3& translation,
                               const std::filesystem::path& path);
 
-/// The largest distance of these positions from what a file of floats around `translation` has.
+/// The largest distance between a position and its rounded position in a file of floats relative to
+/// `translation`.
 double largest_rounding(const std::vector<Vec3>& positions, const Vec3& translation,
                         const std::filesystem::path& path);
 
-/// What was said of the rounding before a file was written is true of the file. @throws
-/// Error(internal) if not
+/// Checks that the rounding found in a file is at most the rounding stated before it was written.
+/// @throws Error(internal) if it is larger
 void require_rounding_within(double expected, double found, const std::filesystem::path& path);
 
-/// Compares a mesh with what another reader made of the file it was written to.
+/// Compares a mesh with the mesh that a reader of its own found in the written file.
 ///
-/// Triangles must be identical, the topology counted on both the same, and vertices that had
-/// different positions must not have become one. With `renumbered` (formats without indices: equal
-/// positions are one vertex) triangles are identical up to a one-to-one renumbering of the vertices
-/// in use.
-/// @param what  "" or which part of the file this is, for messages: "level 2"
-/// @return the largest distance of a vertex from where it was
+/// Triangles and topology must be identical, and different positions must not have become equal.
+/// With `renumbered` (formats without indices: equal positions are one vertex), triangles must be
+/// identical up to a one-to-one renumbering of the vertices in use.
+/// @param what  for messages: "" or the part of the file, e.g. "level 2"
+/// @return the largest distance of a vertex from its original position
 /// @throws Error(bad_file) if rounding merged vertices or moved some by more than a tenth of the
 /// mean edge, Error(internal) if anything else differs
 double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, bool renumbered,

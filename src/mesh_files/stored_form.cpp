@@ -11,7 +11,7 @@ using namespace detail;
 
 namespace {
 
-/// How many of the smaller unit are one of the larger; a whole number where it is one but for
+/// The number of smaller units in one larger unit; exactly an integer if it is one apart from
 /// rounding.
 double ratio(LengthUnit larger, LengthUnit smaller) {
   constexpr double kRounding = 1e-12;
@@ -33,7 +33,8 @@ void convert_unit(TriangleMesh& mesh, LengthUnit from, LengthUnit to) {
 
 namespace isoatlas::detail::io {
 
-// Divides by whole numbers rather than multiplying by fractions that binary numbers do not have.
+// Divides by integers: multiplying by fractions such as 0.001, which are not exact in binary, would
+// round twice.
 double convert_length(double length, LengthUnit from, LengthUnit to) {
   if (from == to || from == LengthUnit::unknown || to == LengthUnit::unknown) {
     return length;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What formats with rules about axes and units make of a mesh.
+// Converts meshes for formats that prescribe axes and units.
 #pragma once
 
 #include <string>
@@ -9,26 +9,27 @@
 
 namespace isoatlas::detail::io {
 
-/// A mesh as a file of some format keeps it.
+/// A mesh in the coordinates of a format.
 struct StoredForm {
   TriangleMesh mesh;
   MeshFileInfo info;               ///< of the stored coordinates
-  std::vector<std::string> notes;  ///< for people: what was changed, or what the format says that
-                                   ///< nobody said; one line each
+  std::vector<std::string> notes;  ///< for the user, one line each: what was changed, or
+                                   ///< what the format states that the input does not
 };
 
-/// A length in one unit as a length in another; the same if either is unknown.
+/// Converts a length from one unit to another; unchanged if either is unknown.
 double convert_length(double length, LengthUnit from, LengthUnit to);
 
-/// 3MF states a unit, and knows the micrometre, millimetre, centimetre, metre and inch. Smaller
-/// units become micrometres; a mesh without a unit is stated in millimetres, unchanged.
+/// A 3MF file states a unit: micrometre, millimetre, centimetre, metre or inch. Smaller units are
+/// converted to micrometres; a mesh without a unit is stated as millimetres, unchanged.
 StoredForm form_in_3mf(const TriangleMesh& mesh, const MeshFileInfo& info);
 
-/// GIfTI has the axes of the scanner, RAS, and millimetres. A mesh in LPS becomes RAS, a known unit
-/// millimetres. Sample indices and coordinates of an unknown space stay as they are.
+/// A GIfTI file has the axes of the scanner, RAS, and millimetres. A mesh in LPS is converted to
+/// RAS, a known unit to millimetres. Sample indices and coordinates of an unknown space stay
+/// unchanged.
 StoredForm form_in_gifti(const TriangleMesh& mesh, const MeshFileInfo& info);
 
-/// Is the mesh a consistently oriented manifold without a boundary?
+/// True if the mesh is a consistently oriented manifold without a boundary.
 bool is_closed_manifold(const TriangleMesh& mesh);
 
 }  // namespace isoatlas::detail::io

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF 2.0, binary, with the levels as levels of detail: the extension MSFT_lod; closed levels have
-// the extension EXT_mesh_manifold. docs/reference/files.md draws the layout.
+// Binary glTF 2.0. Levels are levels of detail (extension MSFT_lod); closed levels have the
+// extension EXT_mesh_manifold. docs/reference/files.md draws the layout.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -36,7 +36,7 @@ std::vector<Float3> stored_normals(const TriangleMesh& mesh, const Bounds& box) 
   normals.reserve(mesh.positions.size());
   for (const Vec3& normal :
        vertex_normals(mesh, std::max(box.longest(), std::numeric_limits<double>::min()))) {
-    // glTF wants unit vectors; where all cancels out any of them is as good as any other.
+    // glTF requires unit vectors; if the face normals cancel out, any direction will do.
     normals.push_back(normal == Vec3{}
                           ? Float3{0, 0, 1}
                           : Float3{static_cast<float>(normal.x), static_cast<float>(normal.y),
@@ -45,7 +45,7 @@ std::vector<Float3> stored_normals(const TriangleMesh& mesh, const Bounds& box) 
   return normals;
 }
 
-// The binary chunk as it grows, and what the JSON says of its parts.
+// The binary chunk, which grows, and the JSON that describes its parts.
 class Buffer {
  public:
   /// @return the index of the new view
@@ -60,7 +60,8 @@ class Buffer {
     view["target"] = target;
     views_.push_back(std::move(view));
     const auto* first = reinterpret_cast<const char*>(values.data());
-    bytes_.append(first, values.size() * sizeof(Value));  // a multiple of 4, as all our values are
+    bytes_.append(
+        first, values.size() * sizeof(Value));  // always a multiple of 4: all values have 4 bytes
     return views_.size() - 1;
   }
 
@@ -83,7 +84,7 @@ Json vec3_accessor(std::size_t view, std::size_t count) {
   return {{"bufferView", view}, {"componentType", kFloat}, {"count", count}, {"type", "VEC3"}};
 }
 
-// glTF wants the exact range of the floats that are there.
+// glTF requires the exact range of the stored floats.
 void add_range(Json& accessor, const std::vector<Float3>& positions, std::size_t count) {
   Float3 low = positions[0];
   Float3 high = low;
@@ -107,8 +108,8 @@ std::vector<Float3> all_floats(const std::vector<Vec3>& positions, Vec3 translat
   return result;
 }
 
-// Down to which share of the screen a level is good for: until the next coarser one has as many
-// triangles on a pixel as the finest has on a full screen. The coarsest is never hidden.
+// The smallest share of the screen for which a level is used: there, the next coarser level has as
+// many triangles per pixel as the finest has on a full screen. The coarsest level is never hidden.
 Json screen_coverage(const std::vector<Hierarchy::Level>& levels) {
   const auto finest = static_cast<double>(std::max<std::size_t>(levels.back().triangles.size(), 1));
   Json coverage = Json::array();
@@ -121,8 +122,8 @@ Json screen_coverage(const std::vector<Hierarchy::Level>& levels) {
   return coverage;
 }
 
-// States that a mesh encloses a solid. Vertices are shared already, so the manifold has the
-// triangles of the mesh, and nothing is merged.
+// States that a mesh encloses a solid. Its vertices are shared already, so the manifold has the
+// triangles of the mesh, and no vertices are merged.
 Json manifold_extension(std::size_t positions, std::size_t indices) {
   return {{"EXT_mesh_manifold",
            {{"manifoldPrimitive",
@@ -134,12 +135,12 @@ struct Glb {
   std::string binary;
 };
 
-// Of all levels, so that they fit together.
+// The bounds of all levels: they share one translation.
 Bounds box_of(const Hierarchy& hierarchy) {
   return bounds_of(hierarchy.mesh(hierarchy.levels.size() - 1).positions);
 }
 
-// A node adds it to the positions.
+// The translation that a node adds to the stored positions.
 Vec3 translation_of(const Hierarchy& hierarchy) {
   return hierarchy.float32_origin.value_or(float32_origin_of(box_of(hierarchy)));
 }
@@ -160,7 +161,7 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
   bool any_closed = false;
   for (std::size_t k = level_count; k-- > 0;) {  // finest first
     const TriangleMesh mesh = hierarchy.mesh(k);
-    // Levels share their vertices: each uses the first ones of one view.
+    // Levels share their vertices: each level uses the first ones of a common view.
     const bool has_own = !hierarchy.levels[k].own_positions.empty();
     std::vector<Float3> own;
     std::size_t position_view = shared_view;
@@ -240,7 +241,8 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
   json["scenes"] = Json::array({{{"nodes", {0}}}});
   json["nodes"] = std::move(nodes);
   json["meshes"] = std::move(meshes);
-  // Not glTF's default, which is a metal; both sides, because open surfaces show their back.
+  // The default material of glTF is a metal. Both sides are drawn, because the back of an open
+  // surface is visible.
   json["materials"] = Json::array({{{"name", "isosurface"},
                                     {"pbrMetallicRoughness",
                                      {{"baseColorFactor", {0.8, 0.8, 0.78, 1.0}},
@@ -307,7 +309,7 @@ StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& i
     if (read.meshes.size() != hierarchy.levels.size()) {
       throw Error(
           ErrorCode::internal,
-          one_line(path.string() + ": not written: read back, it has another number of levels"));
+          one_line(path.string() + ": not written: read back, the number of levels differs"));
     }
     for (std::size_t k = 0; k < read.meshes.size(); ++k) {
       const double rounding = require_same_mesh(hierarchy.mesh(k), read.meshes[k], false, path,

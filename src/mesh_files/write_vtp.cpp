@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML poly data, written by VTK.
+// Writes VTK's XML poly data, by VTK.
 #include <vtkCellArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
@@ -37,8 +37,8 @@ class SilentWindow : public vtkOutputWindow {
       void DisplayText(const char*) override {}
 };
 
-/// Keeps VTK's messages away from the terminal while it lives. VTK's output window belongs to the
-/// whole process, hence the lock.
+/// While an object of this class exists, VTK's messages do not reach the terminal. VTK's output
+/// window belongs to the whole process, so the object holds a lock.
 class VtkSilence {
  public:
   VtkSilence() : lock_(mutex()) {
@@ -86,7 +86,7 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
   const auto vertex_count = static_cast<vtkIdType>(mesh.positions.size());
   const auto triangle_count = static_cast<vtkIdType>(mesh.triangles.size());
 
-  // VTK reads our positions where they are (save = 1: it does not free them).
+  // VTK reads the positions in place (save = 1: it does not free them).
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   vtkNew<vtkDoubleArray> coordinates;
   coordinates->SetNumberOfComponents(3);

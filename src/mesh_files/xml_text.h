@@ -7,7 +7,7 @@
 namespace isoatlas::detail::io {
 
 /// `text` as the content of an XML element or of a quoted attribute. Bytes that are not ASCII
-/// become '?': nobody promises that they are UTF-8, and an XML file must be.
+/// become '?': they may not be UTF-8, which an XML file requires.
 inline std::string xml_text(std::string_view text) {
   std::string result;
   for (const char c : text) {

@@ -11,7 +11,8 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// MS-DOS' first day: an archive has a date for every part, and ours must not depend on the day.
+// The first day of MS-DOS: an archive has a date for every part, and the bytes must not depend on
+// the current date.
 constexpr zip_uint16_t kTime = 0;
 constexpr zip_uint16_t kDate = (0 << 9) | (1 << 5) | 1;  // 1980-01-01
 
@@ -24,8 +25,7 @@ struct Source {
   throw bad_file(path, std::string("cannot be written: its archive: ") + reason);
 }
 
-// Parts are added to `archive`, which takes over what it is given once it is closed without an
-// error.
+// Adds parts to `archive`, which owns its sources once it is closed without an error.
 void add_part(zip_t* archive, const std::string& name, const std::string& content,
               const std::filesystem::path& path) {
   zip_source_t* source = zip_source_buffer(archive, content.data(), content.size(), 0);
@@ -71,7 +71,7 @@ std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>& pa
   if (archive == nullptr) {
     fail_writing(path, zip_error_strerror(&error));
   }
-  zip_source_keep(source.source);  // it outlives the archive, which writes into it
+  zip_source_keep(source.source);  // the source is needed after the archive is closed
   try {
     for (const auto& [name, content] : parts) {
       add_part(archive, name, content, path);
@@ -108,7 +108,7 @@ struct ZipReader::Archive {
           path, std::string("its part ") + stat.name + " cannot be read: " + zip_strerror(archive));
     }
     std::string content(bytes, '\0');
-    // One byte more than there is: the checksum is compared at the end.
+    // One byte more than there is: libzip compares the checksum at the end of the part.
     zip_int64_t count = zip_fread(file, content.data(), bytes);
     char beyond = 0;
     if (count == static_cast<zip_int64_t>(bytes) && bytes == stat.size &&
@@ -144,7 +144,7 @@ std::string ZipReader::part(const std::string& name, std::uint64_t most_bytes) c
   const zip_stat_t stat = archive_->stat(name, path_);
   constexpr std::uint64_t kMostPerStoredByte = 1100;  // deflate shrinks nothing below 1/1032
   if (stat.size / kMostPerStoredByte > readable_file_size(path_)) {
-    throw bad_file(path_, "promises " + std::to_string(stat.size) + " bytes in its part " + name +
+    throw bad_file(path_, "states " + std::to_string(stat.size) + " bytes in its part " + name +
                               ", more than a file of its size can hold");
   }
   if (stat.size > most_bytes) {

@@ -11,7 +11,7 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// "0 (DAPI), 1 (GFP), 2": a name that is only the entry's number is left out.
+// E.g. "0 (DAPI), 1 (GFP), 2". A name that is only the entry's number is omitted.
 std::string entry_list(const FileChoice& choice) {
   constexpr std::size_t kMostListed = 20;
   std::string list;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ImageJ's description in a TIFF file, read as ImageJ's own FileOpener and TiffDecoder read it.
-// SCIFIO (ImageJ2) has one of its own.
+// ImageJ's description in a TIFF file, read like ImageJ's own FileOpener and TiffDecoder read it.
+// SCIFIO (ImageJ2) has its own description.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -17,14 +17,14 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// java.util.Properties writes what is not ASCII as \u00B5.
+// Replaces escapes: java.util.Properties writes characters that are not ASCII as \u00B5.
 std::string without_escapes(const std::string& text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size();) {
     if (text.compare(i, 2, "\\u") == 0 && i + 6 <= text.size()) {
       auto code = static_cast<unsigned>(std::strtoul(text.substr(i + 2, 4).c_str(), nullptr, 16));
       if (code >= 0xD800 && code < 0xE000)
-        code = 0xFFFD;  // half of a pair: no unit of length has one
+        code = 0xFFFD;  // half of a surrogate pair, which no unit of length contains
       if (code < 0x80) {
         plain += static_cast<char>(code);
         i += 6;
@@ -49,7 +49,7 @@ bool is_pixel(const std::string& unit) {
   return unit.empty() || unit == " " || unit == "pixel" || unit == "pixels" || unit == "voxel";
 }
 
-// An axis may have a unit of its own (yunit, zunit): its length is converted to the unit of x.
+// Converts the length of an axis with its own unit (yunit, zunit) to the unit of x.
 void convert_axis(const KeyValueLines& lines, const std::string& key, const TiffStack& stack,
                   std::optional<double>& length, VolumeSource& source) {
   if (!lines.has(key) || !length) {
@@ -60,9 +60,9 @@ void convert_axis(const KeyValueLines& lines, const std::string& key, const Tiff
   if (unit != LengthUnit::unknown && stack.unit != LengthUnit::unknown) {
     *length *= metres(unit) / metres(stack.unit);
   } else if (unit_text != without_escapes(lines.text("unit"))) {
-    source.warnings.push_back(
-        one_line("its " + key.substr(0, 1) + " axis is in '" + unit_text + "' and its x axis in '" +
-                 without_escapes(lines.text("unit")) + "', the numbers are used as they are"));
+    source.warnings.push_back(one_line(
+        "its " + key.substr(0, 1) + " axis is in '" + unit_text + "' and its x axis in '" +
+        without_escapes(lines.text("unit")) + "'; the numbers are used without conversion"));
   }
 }
 
@@ -80,8 +80,8 @@ std::optional<double> slice_distance(const KeyValueLines& lines,
   return *distance == 0 ? std::nullopt : std::optional(std::abs(*distance));
 }
 
-// Resolution tags beside ImageJ's description are in its unit, whatever ResolutionUnit says, with
-// one exception.
+// The resolution tags of a file with ImageJ's description are in the description's unit, with one
+// exception; ResolutionUnit is ignored.
 void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
                   VolumeSource& source) {
   const std::string unit = without_escapes(lines.text("unit"));
@@ -104,7 +104,7 @@ void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
   convert_axis(lines, "zunit", stack, stack.spacing[2], source);
   const Vec3 first{lines.number("xorigin").value_or(0), lines.number("yorigin").value_or(0),
                    lines.number("zorigin").value_or(0)};
-  if (first != Vec3{}) {  // in samples: the sample there is at 0
+  if (first != Vec3{}) {  // in samples: the index of the sample at 0
     source.origin_in_samples = -1.0 * first;
     stack.origin = {-first.x * stack.spacing[0].value_or(1),
                     -first.y * stack.spacing[1].value_or(1),
@@ -113,9 +113,9 @@ void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
   }
 }
 
-// Values in the world are a function of the stored ones. ImageJ has it for 8 and 16 bits only, and
-// without a unit of value (vunit) takes no notice of it. Signed 16-bit samples count from -32768
-// there, so that its function begins at 0.
+// World values are a function of the stored values. ImageJ supports it for 8 and 16 bits only, and
+// ignores it without a unit of value (vunit). Signed 16-bit samples are stored from 0 on, which
+// stands for -32768, so ImageJ's function counts from there.
 void set_rescale(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
                  VolumeSource& source) {
   constexpr double kStraightLine = 0, kNone = 20;
@@ -142,7 +142,7 @@ void set_rescale(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
   if (!c0 || !c1 || *c1 == 0) {
     throw bad_file(tiff.path(),
                    "has ImageJ's calibration function 0 (a straight line) without two coefficients "
-                   "c0 and c1, c1 not 0");
+                   "c0 and c1, expected both, c1 not 0");
   }
   const double first_value = page.type() == SampleType::int16 ? 32768 : 0;
   stack.rescale = LinearRescale{*c1, *c0 + *c1 * first_value};
@@ -150,7 +150,7 @@ void set_rescale(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
 
 [[noreturn]] void refuse_page_count(const TiffFile& tiff, const TiffStack& stack,
                                     std::size_t pages) {
-  throw bad_file(tiff.path(), "ImageJ's description promises " + std::to_string(stack.channels) +
+  throw bad_file(tiff.path(), "ImageJ's description states " + std::to_string(stack.channels) +
                                   " channels x " + std::to_string(stack.slices) + " slices x " +
                                   std::to_string(stack.times) + " time points, the file has " +
                                   std::to_string(pages) + (pages == 1 ? " page" : " pages"));
@@ -167,24 +167,24 @@ void set_pages(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, Vol
   }
   if (stack.channels == tiff.format().values_per_sample &&
       pages.size() == stack.slices * stack.times) {
-    stack.channels = 1;  // of pages; a page of red, green and blue has all of them
+    stack.channels = 1;  // counted in pages; a page of red, green and blue holds all channels
   }
-  const std::size_t promised = stack.channels * stack.slices * stack.times;
-  if (pages.size() == 1 && promised > 1) {
+  const std::size_t stated = stack.channels * stack.slices * stack.times;
+  if (pages.size() == 1 && stated > 1) {
     stack.is_contiguous = true;
     if (tiff.offset_of_plain_samples() == 0) {
       refuse_page_count(tiff, stack, pages.size());
     }
     pages.assign(1, pages.front());
     source.decisions.push_back(
-        {"layout", std::to_string(promised) +
-                       " images behind the only page, as ImageJ writes more than 4 GB"});
-  } else if (pages.size() > promised && stack.channels == 1 && stack.times == 1) {
-    source.warnings.push_back("ImageJ's description promises " + std::to_string(promised) +
+        {"layout", std::to_string(stated) +
+                       " images after the only page, as ImageJ writes files above 4 GB"});
+  } else if (pages.size() > stated && stack.channels == 1 && stack.times == 1) {
+    source.warnings.push_back("ImageJ's description states " + std::to_string(stated) +
                               " images, the file has " + std::to_string(pages.size()) +
                               " pages, which are all read");
     stack.slices = pages.size();
-  } else if (pages.size() != promised) {
+  } else if (pages.size() != stated) {
     refuse_page_count(tiff, stack, pages.size());
   }
   set_page_order(stack, "CZT", std::move(pages));
@@ -215,10 +215,9 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source) {
     if (images > 1 && start != 0 &&
         (tiff.file_size() - start) / tiff.format().stored_bytes() >= images) {
       throw unsupported(
-          tiff.path(),
-          "has " + std::to_string(images) +
-              " images behind one page, expected one slice in each file of the folder; "
-              "a file of many slices is read by itself");
+          tiff.path(), "has " + std::to_string(images) +
+                           " images after one page, expected one slice in each file of the folder; "
+                           "read a file of many slices by its own path");
     }
     set_geometry(tiff, lines, stack, source);
     set_rescale(tiff, lines, stack, source);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint32_t kLsmTag = 34412;
 
-/// Numbers at fixed places of the tag.
+/// Numbers at fixed offsets of the tag.
 class Fields {
  public:
   Fields(std::string bytes, bool is_big_endian)
@@ -26,9 +26,9 @@ class Fields {
         must_swap_(is_big_endian != (std::endian::native == std::endian::big)) {}
 
   template <class Number>
-  Number at(std::size_t place) {
+  Number at(std::size_t offset) {
     Number number{};
-    std::memcpy(&number, bytes_.data() + place, sizeof number);
+    std::memcpy(&number, bytes_.data() + offset, sizeof number);
     if (must_swap_) swap_byte_order(&number, 1, sizeof number);
     return number;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OME-XML in the description of the first page: sizes, lengths and which page holds which plane.
+// OME-XML in the description of the first page: sizes, lengths, and the planes of the pages.
 // https://docs.openmicroscopy.org/ome-model/latest/ome-tiff/specification.html
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// The oldest files have "OME:Image" for "Image".
+// The element's name without its prefix: the oldest files have "OME:Image" for "Image".
 std::string_view local_name(const pugi::xml_node& node) {
   const std::string_view name = node.name();
   return name.substr(name.find(':') + 1);
@@ -45,7 +45,7 @@ std::optional<double> positive(const pugi::xml_attribute& attribute) {
   return value && *value > 0 ? value : std::nullopt;
 }
 
-/// A page of this file, or the name of the file that has it.
+/// A page of this file, or the name of the file that has the page.
 struct PlaneLocation {
   std::size_t page = 0;
   std::string other_file = {};
@@ -73,12 +73,12 @@ class OmeImage {
     tiff.select(first_page());
     const PageFormat page = tiff.format();
     if (stack_.channels % page.values_per_sample != 0) {
-      throw bad_file(path_, "OME-XML promises " + std::to_string(stack_.channels) +
+      throw bad_file(path_, "OME-XML states " + std::to_string(stack_.channels) +
                                 " channels (SizeC), but its pages hold " +
                                 std::to_string(page.values_per_sample) + " each");
     }
     read_channel_names(page.values_per_sample);
-    stack_.channels /= page.values_per_sample;  // of pages
+    stack_.channels /= page.values_per_sample;  // counted in pages
     locate_planes();
     if (children(ome_, "Image").size() == 1 && located_ < page_count_) {
       source.warnings.push_back("has " + std::to_string(page_count_) +
@@ -125,22 +125,22 @@ class OmeImage {
     }
   }
 
-  // The plane that comes `steps` after `plane` in the order of dimensions.
+  // The plane `steps` after `plane`, in the order of the dimensions.
   std::optional<Plane> advanced(Plane plane, std::size_t steps) const {
     for (const char axis : order_) {
       std::size_t& index = plane[axis == 'C' ? 0 : axis == 'Z' ? 1 : 2];
       const std::size_t length = axis == 'C'   ? stack_.channels
                                  : axis == 'Z' ? stack_.slices
                                                : stack_.times;
-      const std::size_t place = index + steps;
-      index = place % length;
-      steps = place / length;
+      const std::size_t total = index + steps;
+      index = total % length;
+      steps = total / length;
     }
     return steps == 0 ? std::optional(plane) : std::nullopt;
   }
 
-  // Empty: the planes are in this file. A file knows itself by its UUID, and by its name where
-  // there is none.
+  // The name of the file with the planes; empty if they are in this file. A file is identified by
+  // its UUID, or by its name if it has no UUID.
   std::string other_file(const pugi::xml_node& tiff_data) const {
     const pugi::xml_node uuid = child(tiff_data, "UUID");
     const std::string_view own = ome_.attribute("UUID").value();
@@ -160,7 +160,7 @@ class OmeImage {
     const std::vector<pugi::xml_node> blocks = children(pixels_, "TiffData");
     if (blocks.empty()) {
       throw unsupported(path_,
-                        "OME-XML does not say which pages hold its planes (it has no TiffData), "
+                        "OME-XML does not state the pages of its planes (it has no TiffData), "
                         "expected the pixels in this file");
     }
     for (const pugi::xml_node& block : blocks) {
@@ -169,7 +169,7 @@ class OmeImage {
         return static_cast<std::size_t>(page);
       }
     }
-    throw unsupported(path_, one_line("has none of the planes of its OME image, they are in '" +
+    throw unsupported(path_, one_line("has no planes of its OME image, which are in '" +
                                       other_file(blocks.front()) + "'; expected all in one file"));
   }
 
@@ -193,9 +193,9 @@ class OmeImage {
           block.attribute("PlaneCount").as_ullong(has_page ? 1 : pages_left));
       for (std::size_t i = 0; i < count; ++i) {
         const std::optional<Plane> plane = advanced(start, i);
-        if (!plane) break;  // more pages than planes
+        if (!plane) break;  // there are more pages than planes
         if (i >= pages_left && (has_page || has_count)) {
-          throw bad_file(path_, "OME-XML promises a page " + std::to_string(first + i + 1) +
+          throw bad_file(path_, "OME-XML states a page " + std::to_string(first + i + 1) +
                                     ", the file has " + std::to_string(page_count_));
         }
         if (++located_ > kMostPlanes) {
@@ -270,10 +270,10 @@ class OmeImage {
   void warn_of_differences(const PageFormat& page, VolumeSource& source) const {
     const auto width = size_of("SizeX"), height = size_of("SizeY");
     if (width != page.width || height != page.height) {
-      source.warnings.push_back("OME-XML promises " + std::to_string(width) + " x " +
+      source.warnings.push_back("OME-XML states " + std::to_string(width) + " x " +
                                 std::to_string(height) + " samples, its pages have " +
                                 std::to_string(page.width) + " x " + std::to_string(page.height) +
-                                "; the pages are right");
+                                "; the sizes of the pages are used");
     }
     const bool has_more =
         !ome_.select_nodes("//*[starts-with(local-name(), 'ModuloAlongZ')]").empty();
@@ -287,7 +287,7 @@ class OmeImage {
   std::size_t page_count_;
   pugi::xml_node ome_, pixels_;
   TiffStack stack_;
-  std::string order_;  // of "CZT", fastest first
+  std::string order_;  // a permutation of "CZT", fastest first
   Planes planes_;
   std::size_t located_ = 0;
 };

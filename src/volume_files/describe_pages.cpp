@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages without a description of their axes, and tifffile's: {"shape": [2, 16, 20, 24], "axes":
-// "CZYX"}.
+// Pages without a description of their axes, and pages with tifffile's: {"shape": [2, 16, 20, 24],
+// "axes": "CZYX"}.
 #include <algorithm>
 #include <charconv>
 #include <string>
@@ -14,15 +14,15 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-/// An array that tifffile wrote: its pages from `first_page` on.
+/// An array that tifffile wrote; its pages are those from `first_page` on.
 struct Series {
-  std::size_t first_page = 0, page_count = 0;  // counted in pages without previews
-  std::vector<std::size_t> shape = {};         // as in NumPy, slowest first
-  std::string axes = {};                       // a letter for each, or empty
+  std::size_t first_page = 0, page_count = 0;  // previews are not counted
+  std::vector<std::size_t> shape = {};         // slowest first, as in NumPy
+  std::string axes = {};                       // a letter per axis, or empty
   bool is_contiguous = false;
 };
 
-// What follows "name": in a JSON object without nesting.
+// The text after "name": in a JSON object without nesting.
 std::string_view json_value(std::string_view json, const std::string& name) {
   const std::string key = "\"" + name + "\"";
   std::size_t at = json.find(key);
@@ -68,13 +68,13 @@ std::string shape_text(const std::vector<std::size_t>& shape) {
   return text;
 }
 
-// The axes of pages: those of the array but for y, x and the values of a sample. Nothing: the shape
-// is not that of these pages.
+// The axes of pages: those of the array except y, x and the values of a sample. Nothing if the
+// shape does not match the pages.
 std::optional<Series> axes_of_pages(Series series, const PageFormat& page,
                                     const std::filesystem::path& path) {
-  const auto drop = [&](std::size_t place) {
-    series.shape.erase(series.shape.begin() + static_cast<std::ptrdiff_t>(place));
-    if (place < series.axes.size()) series.axes.erase(place, 1);
+  const auto drop = [&](std::size_t index) {
+    series.shape.erase(series.shape.begin() + static_cast<std::ptrdiff_t>(index));
+    if (index < series.axes.size()) series.axes.erase(index, 1);
   };
   if (series.axes.size() != series.shape.size()) {
     series.axes.clear();
@@ -92,18 +92,18 @@ std::optional<Series> axes_of_pages(Series series, const PageFormat& page,
   if (in_page != "YX" && in_page.find_first_not_of("XYZ") == std::string::npos) {
     throw unsupported(path, "states that its axes are '" + one_line(series.axes, 20) +
                                 "', slowest first; expected rows and columns last, like 'ZYX' "
-                                "(numpy.transpose before it is written)");
+                                "(call numpy.transpose before writing)");
   }
   drop(n - 1);
   drop(n - 2);
-  for (std::size_t place = series.shape.size(); place-- > 0;) {
-    if (series.shape[place] == 1) drop(place);
+  for (std::size_t index = series.shape.size(); index-- > 0;) {
+    if (series.shape[index] == 1) drop(index);
   }
   return series;
 }
 
-// Which of "CZT" each axis of the pages is, slowest first. A single axis without a meaning is that
-// of slices.
+// The meaning of each axis of the pages, a letter of "CZT", slowest first. A single axis without a
+// meaning is the axis of slices.
 std::string meaning_of_axes(const Series& series, const std::filesystem::path& path) {
   if (series.shape.size() < 2) {
     return series.axes == "C" || series.axes == "T" ? series.axes
@@ -162,17 +162,17 @@ bool set_axes(const Series& series, const std::filesystem::path& path,
 
 TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSource& source) {
   TiffStack stack;
-  std::vector<Series> list;  // each page with a shape begins one
-  std::vector<std::size_t> pages = pages_without_previews(tiff, source, [&](std::size_t place) {
+  std::vector<Series> list;  // each page with a shape begins a series
+  std::vector<std::size_t> pages = pages_without_previews(tiff, source, [&](std::size_t index) {
     if (std::optional<Series> series = series_of(tiff.description())) {
-      series->first_page = place;
+      series->first_page = index;
       list.push_back(std::move(*series));
     }
     if (!list.empty()) {
       ++list.back().page_count;
     }
   });
-  // Somebody who writes slices one by one makes a series of one page of each.
+  // Programs that write slices one by one make a series of one page for each.
   const bool is_one_by_one = std::ranges::all_of(
       list, [](const Series& series) { return series.page_count == 1 && !series.is_contiguous; });
   if (!list.empty() && list.front().first_page == 0 && !(list.size() > 1 && is_one_by_one)) {
@@ -190,9 +190,9 @@ TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSourc
         axes && set_axes(*axes, tiff.path(), pages, stack)) {
       return stack;
     }
-    source.warnings.push_back("its description is of an array of " + shape_text(chosen.shape) +
-                              ", which its " + std::to_string(pages.size()) +
-                              " pages are not; they are read as slices");
+    source.warnings.push_back("its description states an array of " + shape_text(chosen.shape) +
+                              ", which does not match its " + std::to_string(pages.size()) +
+                              " pages; they are read as slices");
   }
   stack.slices = pages.size();
   tiff.select(pages.front());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The description of SCIFIO, with which ImageJ2 and Fiji write TIFF files: four lists of one entry
-// per axis, "axes=X,Y,Z", "lengths=", "scales=" and "units=". After x and y, pages run along the
-// axes as they are listed, the first fastest.
+// The description of SCIFIO, with which ImageJ2 and Fiji write TIFF files: four lists with one
+// entry per axis, "axes=X,Y,Z", "lengths=", "scales=" and "units=". Pages run along the axes after
+// x and y in the listed order, the first fastest.
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,16 +59,16 @@ void set_geometry(const std::vector<Axis>& axes, TiffStack& stack, VolumeSource&
   stack.unit = length_unit_named(axes[0].unit);
   bool is_scaled = stack.unit != LengthUnit::unknown;
   for (const Axis& axis : axes) {
-    const std::size_t place = std::string("XYZ").find(axis.name);
-    if (place == std::string::npos || !axis.scale) continue;
+    const std::size_t index = std::string("XYZ").find(axis.name);
+    if (index == std::string::npos || !axis.scale) continue;
     const LengthUnit unit = length_unit_named(axis.unit);
     const bool is_convertible = unit != LengthUnit::unknown && stack.unit != LengthUnit::unknown;
     if (!is_convertible && axis.unit != axes[0].unit) {
       source.warnings.push_back(one_line("its " + axis.name + " axis is in '" + axis.unit +
                                          "' and its X axis in '" + axes[0].unit +
-                                         "', the numbers are used as they are"));
+                                         "'; the numbers are used without conversion"));
     }
-    stack.spacing[place] = *axis.scale * (is_convertible ? metres(unit) / metres(stack.unit) : 1);
+    stack.spacing[index] = *axis.scale * (is_convertible ? metres(unit) / metres(stack.unit) : 1);
     is_scaled = is_scaled || *axis.scale != 1;
   }
   if (!is_scaled) {
@@ -113,10 +113,10 @@ std::optional<TiffStack> describe_scifio(TiffFile& tiff, VolumeSource& source) {
   std::vector<std::size_t> pages = pages_without_previews(tiff, source);
   tiff.select(pages.front());
   if (stack.channels == tiff.format().values_per_sample) {
-    stack.channels = 1;  // of pages; a page has all of them
+    stack.channels = 1;  // counted in pages; a page holds all channels
   }
   if (pages.size() != stack.channels * stack.slices * stack.times) {
-    throw bad_file(tiff.path(), "SCIFIO's description promises " +
+    throw bad_file(tiff.path(), "SCIFIO's description states " +
                                     std::to_string(stack.channels * stack.slices * stack.times) +
                                     " pages, the file has " + std::to_string(pages.size()));
   }

@@ -48,7 +48,7 @@ Family family_of(const DicomImage& image) {
 
 constexpr std::string_view kCodestreamStart{"\xFF\x4F\xFF\x51", 4};
 
-/// What the header of a compressed stream says.
+/// The properties that the header of a compressed stream states.
 struct StreamHeader {
   std::size_t columns = 0, rows = 0;
   unsigned components = 0, bits = 0;
@@ -63,7 +63,7 @@ std::size_t big_endian(std::string_view bytes, std::size_t at, std::size_t count
   return value;
 }
 
-// JPEG and JPEG-LS: the first frame header. False if there is none.
+// Reads the first frame header of a JPEG or JPEG-LS stream. False if there is none.
 bool read_jpeg_header(std::string_view stream, StreamHeader& header) {
   std::size_t at = 2;
   if (!stream.starts_with("\xFF\xD8")) {
@@ -86,8 +86,8 @@ bool read_jpeg_header(std::string_view stream, StreamHeader& header) {
   return false;
 }
 
-// JPEG 2000: the SIZ segment. Images that do not start at the reference grid's corner or leave
-// samples out are not taken.
+// Reads the SIZ segment of a JPEG 2000 stream. Refuses images that do not begin at the origin of
+// the reference grid or are subsampled.
 bool read_codestream_header(std::string_view stream, StreamHeader& header) {
   const std::size_t start = stream.find(kCodestreamStart);
   if (start == std::string_view::npos || stream.size() < start + 45) {
@@ -104,13 +104,13 @@ bool read_codestream_header(std::string_view stream, StreamHeader& header) {
   return starts_at_corner && is_full;
 }
 
-// Returns what is wrong; empty: nothing.
+// Returns a description of the problem; empty if there is none.
 std::string read_header(Family family, std::string_view stream, const DicomImage& image,
                         StreamHeader& header) {
   const bool is_read = family == Family::jpeg_2000 ? read_codestream_header(stream, header)
                                                    : read_jpeg_header(stream, header);
   if (!is_read) {
-    return "has a compressed frame that is no " + compression_name(image.transfer_syntax) +
+    return "has a compressed frame that is not a " + compression_name(image.transfer_syntax) +
            " image";
   }
   if (header.columns != image.columns || header.rows != image.rows || header.components != 1) {
@@ -124,8 +124,8 @@ std::string read_header(Family family, std::string_view stream, const DicomImage
 
 unsigned allocated_for(unsigned bits) { return bits <= 8 ? 8 : bits <= 16 ? 16 : 32; }
 
-// The stream as the decoder takes it: a JPEG 2000 codestream without a file around it, up to the
-// marker that ends it. Empty: it is cut off.
+// The stream as its decoder requires it: for JPEG 2000, the codestream without a file format around
+// it, up to its end marker. Empty if it is cut off.
 std::string whole_stream(Family family, const std::string& stream) {
   const std::size_t start = family == Family::jpeg_2000 ? stream.find(kCodestreamStart) : 0;
   const std::size_t end = stream.rfind("\xFF\xD9");
@@ -153,8 +153,8 @@ std::string adapt_to_stream(DicomBytes& bytes, DicomImage& image) {
   if (family == Family::rle) {
     return {};
   }
-  constexpr std::uint64_t kHeaderBytes = std::uint64_t{1}
-                                         << 17;  // a profile or a comment may come first
+  constexpr std::uint64_t kHeaderBytes =
+      std::uint64_t{1} << 17;  // a profile or a comment may precede the frame header
   const DicomPixels::Fragment& first = image.pixels.fragments.front();
   StreamHeader header;
   std::string problem = read_header(
@@ -171,8 +171,9 @@ std::string adapt_to_stream(DicomBytes& bytes, DicomImage& image) {
   }
   const bool is_free = family == Family::jpeg_2000 && header.is_signed == format.is_signed;
   format.bits_allocated = allocated_for(header.bits);
-  const bool is_shifted = format.high_bit + 1 > format.bits_stored && header.bits > format.high_bit;
-  if (is_shifted) {  // the stream holds whole cells, in which the stored bits are not the lowest
+  const bool is_in_upper_bits =
+      format.high_bit + 1 > format.bits_stored && header.bits > format.high_bit;
+  if (is_in_upper_bits) {  // the stream holds all allocated bits
     return {};
   }
   format.bits_stored = is_free ? header.bits : std::min(format.bits_stored, header.bits);
@@ -189,14 +190,14 @@ std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& 
   std::vector<std::uint32_t> sorted_offsets = offsets;
   std::ranges::sort(sorted_offsets);
   for (std::size_t i = 0; i < fragments.size(); ++i) {
-    const std::uint64_t place = fragments[i].offset - fragments[0].offset;
+    const std::uint64_t fragment_offset = fragments[i].offset - fragments[0].offset;
     const std::string_view start =
         fragments[i].bytes >= 4 ? bytes.at(fragments[i].offset, 4) : std::string_view();
     const bool starts_image = start.starts_with("\xFF\xD8\xFF") || start == kCodestreamStart;
-    const bool starts_frame =
-        i == 0 || fragments.size() == image.frames ||
-        (offsets.size() == image.frames ? std::ranges::binary_search(sorted_offsets, place)
-                                        : starts_image);
+    const bool starts_frame = i == 0 || fragments.size() == image.frames ||
+                              (offsets.size() == image.frames
+                                   ? std::ranges::binary_search(sorted_offsets, fragment_offset)
+                                   : starts_image);
     is_clear = is_clear && (starts_frame || !starts_image);
     if (starts_frame) {
       frames.emplace_back();
@@ -205,8 +206,8 @@ std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& 
   }
   if (!is_clear || frames.size() != image.frames) {
     throw bad_file(image.path, "has " + std::to_string(fragments.size()) +
-                                   " compressed fragments, from which its " +
-                                   std::to_string(image.frames) + " frames cannot be told");
+                                   " compressed fragments, which cannot be assigned to its " +
+                                   std::to_string(image.frames) + " frames");
   }
   return frames;
 }

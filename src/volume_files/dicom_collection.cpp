@@ -33,7 +33,7 @@ std::string counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// All files below a folder, by name. Links to folders are followed, but no folder is entered
+/// Lists all files below a folder, sorted by name. Follows links to folders, but enters no folder
 /// twice.
 class FolderWalk {
  public:
@@ -74,8 +74,8 @@ class FolderWalk {
   std::vector<fs::path> files_;
 };
 
-// Files without extension, and those whose extension is a number or one that DICOM files have:
-// "IM012", "a.dcm", "1.2.840.7".
+// True for files without an extension, and for extensions that are a number or usual for DICOM
+// files: "IM012", "a.dcm", "1.2.840.7".
 bool is_named_like_dicom(const fs::path& path) {
   const std::string extension = lower_case_extension(path);
   return extension.empty() || extension == ".dcm" || extension == ".ima" || extension == ".dicom" ||
@@ -88,8 +88,8 @@ bool have_same_bytes(const fs::path& a, const fs::path& b) {
          file_contents(a) == file_contents(b);
 }
 
-// A file that was copied into the folder twice is one slice.
-void leave_out_copies(std::vector<DicomFrame>& frames, std::vector<std::string>& warnings) {
+// Removes copies: a file that is in the folder twice is one slice.
+void remove_copies(std::vector<DicomFrame>& frames, std::vector<std::string>& warnings) {
   std::ranges::stable_sort(frames, {}, [](const DicomFrame& frame) {
     return std::tuple(frame.image->series, frame.position.x, frame.position.y, frame.position.z);
   });
@@ -112,11 +112,11 @@ void leave_out_copies(std::vector<DicomFrame>& frames, std::vector<std::string>&
   if (!copies.empty()) {
     warnings.push_back(counted(copies.size(), "file") +
                        (copies.size() == 1 ? " is a copy" : " are copies") +
-                       " of another and left out: " + name_list(copies));
+                       " of another and skipped: " + name_list(copies));
   }
 }
 
-/// What there is to read, and what is left out.
+/// The files to read and the skipped files.
 class Collection {
  public:
   Collection(fs::path root, std::uint64_t max_memory)
@@ -126,17 +126,17 @@ class Collection {
     for (const fs::path& file : FolderWalk(true).files_of(root_)) {
       const std::string name = file.lexically_relative(root_).string();
       if (is_named_like_dicom(file)) {
-        readable_file_size(file);  // an empty or unreadable one is a slice that was lost
+        readable_file_size(file);  // an empty or unreadable file is a lost slice
       }
       if (looks_like_dicom(file)) {
         add_file(file, name);
       } else {
-        left_out_["no DICOM"].push_back(name);
+        skipped_["not DICOM"].push_back(name);
       }
     }
   }
 
-  /// One file; if it is a slice, the others of its series beside it as well.
+  /// Adds one file; if it is a slice, also the other files of its series in the same folder.
   void add_file_with_neighbours() {
     if (!looks_like_dicom(root_)) {
       throw bad_file(root_, "is not a DICOM file");
@@ -166,21 +166,22 @@ class Collection {
     std::ranges::sort(frames_, {}, [](const DicomFrame& frame) { return frame.image->path; });
   }
 
-  /// The usable frames. @throws Error if there are none
+  /// Moves out the usable frames. @throws Error if there are none
   std::vector<DicomFrame> take_frames(std::vector<std::string>& warnings) {
     leave_out_localizers();
     require_frames();
     refuse_unusable_members();
-    for (const auto& [what, names] : left_out_) {
+    for (const auto& [what, names] : skipped_) {
       warnings.push_back(counted(names.size(), "file") + (names.size() == 1 ? " is " : " are ") +
-                         "left out (" + what + "): " + name_list(names));
+                         "skipped (" + what + "): " + name_list(names));
     }
-    leave_out_copies(frames_, warnings);
+    remove_copies(frames_, warnings);
     return std::move(frames_);
   }
 
  private:
-  // None: what looked like DICOM without the mark is none.
+  // Nothing if the file is not DICOM after all: it looked like DICOM, but has no "DICM" and cannot
+  // be parsed.
   std::optional<DicomFileFrames> frames_in(const fs::path& file, const std::string& name) const {
     try {
       return read_dicom_frames(file, name, max_memory_);
@@ -195,7 +196,7 @@ class Collection {
   void add_file(const fs::path& file, const std::string& name) {
     const std::optional<DicomFileFrames> read = frames_in(file, name);
     if (!read) {
-      left_out_["no DICOM"].push_back(name);
+      skipped_["not DICOM"].push_back(name);
       return;
     }
     const DicomFileFrames& found = *read;
@@ -203,12 +204,12 @@ class Collection {
       return;
     }
     if (!found.is_image) {
-      left_out_[found.unusable].push_back(name);
+      skipped_[found.unusable].push_back(name);
       return;
     }
     if (!found.unusable.empty()) {
       unusable_.emplace_back(file, found);
-      left_out_[found.unusable].push_back(name);
+      skipped_[found.unusable].push_back(name);
     }
     frames_.insert(frames_.end(), found.frames.begin(), found.frames.end());
   }
@@ -229,12 +230,12 @@ class Collection {
     const DicomFileFrames& found = *read;
     if (!found.unusable.empty()) {
       unusable_.emplace_back(file, found);
-      left_out_[found.unusable].push_back(file.filename().string());
+      skipped_[found.unusable].push_back(file.filename().string());
     }
     frames_.insert(frames_.end(), found.frames.begin(), found.frames.end());
   }
 
-  // Overview images lie in series with slices that they are no part of.
+  // Overview images belong to a series but are not slices of its volume.
   void leave_out_localizers() {
     const auto is_localizer = [](const DicomFrame& frame) { return frame.image->is_localizer; };
     if (std::ranges::all_of(frames_, is_localizer)) {
@@ -242,7 +243,7 @@ class Collection {
     }
     for (const DicomFrame& frame : frames_) {
       if (is_localizer(frame)) {
-        left_out_["localizer"].push_back(frame.name());
+        skipped_["localizer"].push_back(frame.name());
       }
     }
     std::erase_if(frames_, is_localizer);
@@ -257,7 +258,7 @@ class Collection {
       throw unsupported(file, found.unusable + "; expected slices of a volume");
     }
     std::string others;
-    for (const auto& [what, names] : left_out_) {
+    for (const auto& [what, names] : skipped_) {
       others +=
           (others.empty() ? "; it has " : ", ") + counted(names.size(), "file") + " (" + what + ")";
     }
@@ -267,7 +268,7 @@ class Collection {
                        others);
   }
 
-  // An image that looks like a slice of a series but cannot be one would be missing from it.
+  // An image of a series that looks like a slice but cannot be one would leave a gap in the volume.
   void refuse_unusable_members() const {
     for (const auto& [file, found] : unusable_) {
       const bool is_member =
@@ -277,8 +278,8 @@ class Collection {
           });
       if (is_member) {
         throw unsupported(file, found.unusable +
-                                    ", which the other slices of its series are not; take it out "
-                                    "of the folder to read them");
+                                    ", unlike the other slices of its series; move it out "
+                                    "of the folder to read the series");
       }
     }
   }
@@ -287,7 +288,7 @@ class Collection {
   std::uint64_t max_memory_;
   std::vector<DicomFrame> frames_;
   std::vector<std::pair<fs::path, DicomFileFrames>> unusable_;
-  std::map<std::string, std::vector<std::string>> left_out_;  // by reason
+  std::map<std::string, std::vector<std::string>> skipped_;  // by reason
 };
 
 }  // namespace

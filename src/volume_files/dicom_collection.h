@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which DICOM files there are to read, and what is left out.
+// Selects the DICOM files to read and reports the files that are skipped.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 
 namespace isoatlas::detail::io {
 
-/// The usable frames of all files in a folder and its subfolders. What is left out is said in
+/// The usable frames of all files in a folder and its subfolders. Skipped files are listed in
 /// `warnings`, by reason.
-/// @throws Error if there are none, if a file is lost (empty, unreadable), or if one that belongs
-/// to a series cannot be a slice
+/// @throws Error if there are no usable frames, if a file is lost (empty, unreadable), or if an
+/// image of a series cannot be a slice
 std::vector<DicomFrame> frames_of_folder(const std::filesystem::path& folder,
                                          std::uint64_t max_memory,
                                          std::vector<std::string>& warnings);
 
-/// The frames of one file; of a file with one frame, those of its series in the same folder as
-/// well.
+/// The frames of a file. If the file has one frame, also those of the other files of its series in
+/// the same folder.
 std::vector<DicomFrame> frames_of_file(const std::filesystem::path& file, std::uint64_t max_memory,
                                        std::vector<std::string>& warnings);
 

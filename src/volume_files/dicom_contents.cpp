@@ -75,20 +75,20 @@ namespace {
 
 struct Header {
   DicomTag tag = 0;
-  std::string type;  // empty: the file does not state it
+  std::string type;  // empty if the file does not state it
   std::uint32_t length = 0;
 };
 
-// How a walk ends that does not reach the end of the pixel data. Thrown inside this file only.
+// Reasons to stop before the end of the pixel data. Thrown inside this file only.
 struct CutOff {};
-struct Senseless {};
+struct InvalidElements {};
 
 class Parser {
  public:
   Parser(DicomBytes& bytes, DicomContents& contents) : bytes_(bytes), contents_(contents) {}
 
-  // The preamble and the file meta group, which are explicit and little-endian. Returns where the
-  // data set starts.
+  // Reads the preamble and the file meta group, which have explicit types and are little-endian.
+  // Returns the offset of the data set.
   std::uint64_t parse_meta_group() {
     const bool has_mark = bytes_.size() >= kPreamble + kDicomMark.size() &&
                           bytes_.at(kPreamble, kDicomMark.size()) == kDicomMark;
@@ -97,7 +97,7 @@ class Parser {
     while (position_ + 2 <= bytes_.size() && group_at(position_, false) == 0x0002) {
       const Header header = next_header();
       if (header.length == kUndefinedLength) {
-        throw Senseless{};
+        throw InvalidElements{};
       }
       if (header.tag == kTransferSyntax) {
         contents_.transfer_syntax = std::string(dicom_trimmed(value(header.length)));
@@ -125,8 +125,8 @@ class Parser {
   }
 
  private:
-  // What the transfer syntax says is compared with the first data element: writers mix up explicit
-  // and implicit.
+  // Compares the transfer syntax with the first data element: some writers state explicit types and
+  // write implicit ones, or the reverse.
   void find_encoding() {
     const std::string& syntax = contents_.transfer_syntax;
     is_big_endian_ = syntax == kExplicitBig;
@@ -176,11 +176,11 @@ class Parser {
     return bytes;
   }
 
-  // Reads a tag, a type and a length; the position is then at the value.
+  // Reads a tag, a type and a length, and moves the position to the value.
   Header next_header() {
     const DicomTag group = number_at<std::uint16_t>(position_, is_big_endian_);
     Header header{group << 16U | number_at<std::uint16_t>(position_ + 2, is_big_endian_), {}, 0};
-    const bool is_delimiter = group == 0xFFFE;  // has no type in any encoding
+    const bool is_delimiter = group == 0xFFFE;  // never has a type
     if (position_ + 8 > bytes_.size()) {
       throw CutOff{};
     }
@@ -201,7 +201,7 @@ class Parser {
   }
 
   void parse_element(const Header& header, DicomDataSet& into, int depth) {
-    if (header.tag == kPixelData && header.length == kUndefinedLength) {  // of an icon
+    if (header.tag == kPixelData && header.length == kUndefinedLength) {  // pixel data of an icon
       DicomPixels not_used;
       locate_fragments(not_used);
       return;
@@ -226,8 +226,8 @@ class Parser {
       into.add(std::move(attribute));
       return;
     }
-    // A sequence of a type that the writer did not know is implicit and little-endian inside,
-    // whatever the rest is.
+    // A sequence whose type the writer did not know is implicit and little-endian inside, whatever
+    // the encoding of the file.
     const bool was_explicit = is_explicit_, was_big_endian = is_big_endian_;
     if (header.type == "UN") {
       is_explicit_ = is_big_endian_ = false;
@@ -243,7 +243,7 @@ class Parser {
 
   void parse_items(std::uint32_t length, std::vector<DicomDataSet>& items, int depth) {
     if (depth > kDeepestNesting) {
-      throw Senseless{};
+      throw InvalidElements{};
     }
     const std::uint64_t end = end_of(length);
     while (position_ < end) {
@@ -252,7 +252,7 @@ class Parser {
         return;
       }
       if (header.tag != kItem) {
-        throw Senseless{};
+        throw InvalidElements{};
       }
       items.emplace_back();
       parse_item(header.length, items.back(), depth);
@@ -284,10 +284,10 @@ class Parser {
 
   void require_end(std::uint32_t length, std::uint64_t end) {
     if (length == kUndefinedLength) {
-      throw CutOff{};  // no delimiter
+      throw CutOff{};  // the delimiter is missing
     }
     if (position_ != end) {
-      throw Senseless{};
+      throw InvalidElements{};
     }
   }
 
@@ -310,7 +310,7 @@ class Parser {
     bool is_offset_table = true;
     for (Header item = next_header(); item.tag != kSequenceEnd; item = next_header()) {
       if (item.tag != kItem || item.length == kUndefinedLength) {
-        throw Senseless{};
+        throw InvalidElements{};
       }
       const std::uint64_t start = position_;
       if (is_offset_table) {
@@ -336,7 +336,7 @@ class Parser {
   bool is_big_endian_ = false;
 };
 
-// What follows `start`, decompressed. A deflated data set has no header and no checksum.
+// Decompresses the data from `start` on. A deflated data set has neither header nor checksum.
 std::string inflated_rest(const fs::path& path, DicomBytes& bytes, std::uint64_t start,
                           std::uint64_t max_memory) {
   std::string packed(static_cast<std::size_t>(bytes.size() - start), '\0');
@@ -370,7 +370,7 @@ std::string inflated_rest(const fs::path& path, DicomBytes& bytes, std::uint64_t
   return unpacked;
 }
 
-// The bytes, decompressed where they have to be, and where their data set starts.
+// The bytes of the file, decompressed if necessary, and the offset of its data set.
 DicomBytes open_with_start(const fs::path& path, std::uint64_t max_memory, DicomContents& contents,
                            std::uint64_t& start) {
   DicomBytes bytes(path);
@@ -404,7 +404,7 @@ bool looks_like_dicom(const fs::path& path) {
   if (bytes.size() > kPreamble && bytes.substr(kPreamble) == kDicomMark) {
     return true;
   }
-  // A data set without preamble starts with the file meta group or the identifying group, whose
+  // A data set without a preamble begins with the file meta group or the identifying group, whose
   // first elements are short.
   if (bytes.size() < 12 || (bytes[0] != 2 && bytes[0] != 8) || bytes[1] != 0 || bytes[3] != 0) {
     return false;
@@ -423,7 +423,7 @@ DicomBytes open_dicom(const fs::path& path, std::uint64_t max_memory) {
     std::uint64_t start = 0;
     return open_with_start(path, max_memory, contents, start);
   } catch (const CutOff&) {
-  } catch (const Senseless&) {
+  } catch (const InvalidElements&) {
   }
   throw bad_file(path, "has changed while it was read");
 }
@@ -437,8 +437,8 @@ DicomContents read_dicom_contents(const fs::path& path, std::uint64_t max_memory
     Parser(bytes, contents).parse_data_set(start);
   } catch (const CutOff&) {
     contents.is_cut_off = true;
-  } catch (const Senseless&) {
-    throw bad_file(path, "is damaged: its data elements make no sense");
+  } catch (const InvalidElements&) {
+    throw bad_file(path, "is damaged: its data elements are not valid");
   }
   return contents;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The attributes of a DICOM data set that are of use, under their names in the standard.
+// The attributes of a DICOM data set that isoatlas uses, with their names in the standard.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace isoatlas::detail::io {
 
-/// A tag as one number: group, then element.
+/// A tag as one number: the group in the upper 16 bits, the element in the lower.
 using DicomTag = std::uint32_t;
 
-// The attributes that are kept, under their names in the standard (PS3.6); the rest is skipped.
+// The attributes that are kept, with their names in the standard (PS3.6); others are skipped.
 namespace dicom {
 inline constexpr DicomTag kTransferSyntax = 0x00020010, kImageType = 0x00080008,
                           kSopClass = 0x00080016, kSopInstance = 0x00080018,
@@ -35,7 +35,8 @@ inline constexpr DicomTag kSequenceName = 0x00180024, kSliceThickness = 0x001800
                           kCardiacSynchronization = 0x00189118, kMrFrameType = 0x00189226,
                           kCtFrameType = 0x00189329, kPetFrameType = 0x00189751;
 inline constexpr DicomTag kPrivateCreator19 = 0x00190010,
-                          kMosaicImages = 0x0019100A;  // the second is private to Siemens
+                          kMosaicImages =
+                              0x0019100A;  // the second is a private attribute of Siemens
 inline constexpr DicomTag kStudyInstance = 0x0020000D, kFrameOfReference = 0x00200052,
                           kSeriesInstance = 0x0020000E, kSeriesNumber = 0x00200011,
                           kAcquisitionNumber = 0x00200012, kInstanceNumber = 0x00200013,
@@ -80,37 +81,39 @@ struct DicomAttribute {
   std::vector<DicomDataSet> items;  ///< of a sequence
 };
 
-/// The kept attributes of a data set or of an item of a sequence. Absent and empty are the same.
+/// The kept attributes of a data set or of an item of a sequence. An empty attribute counts as
+/// absent.
 class DicomDataSet {
  public:
-  /// The first attribute of a tag counts.
+  /// Adds an attribute; if its tag exists already, the first attribute is kept.
   void add(DicomAttribute attribute) {
     if (find(attribute.tag) == nullptr) attributes_.push_back(std::move(attribute));
   }
 
   bool has(DicomTag tag) const;
-  std::string text(DicomTag tag) const;  ///< one line without outer blanks; all values of several
+  std::string text(
+      DicomTag tag) const;  ///< one line without outer blanks; several values stay joined
   std::vector<std::string> texts(DicomTag tag) const;  ///< values between backslashes
-  std::vector<double> numbers(DicomTag tag) const;     ///< empty if one of the values is no number
-  std::optional<double> number(DicomTag tag) const;    ///< the first
+  std::vector<double> numbers(DicomTag tag) const;   ///< empty if one of the values is not a number
+  std::optional<double> number(DicomTag tag) const;  ///< the first value
   std::optional<std::int64_t> integer(DicomTag tag) const;
   std::vector<DicomTag> tags(DicomTag tag) const;  ///< values that are tags
   const std::vector<DicomDataSet>& items(DicomTag tag) const;
-  const DicomDataSet* first_item(DicomTag tag) const;  ///< null: there is none
+  const DicomDataSet* first_item(DicomTag tag) const;  ///< null if there is none
 
  private:
   const DicomAttribute* find(DicomTag tag) const;
   std::vector<DicomAttribute> attributes_;
 };
 
-/// The standard's type of an attribute that is kept; empty: it is skipped.
+/// The standard's type of a kept attribute; empty if the attribute is skipped.
 std::string_view dicom_type(DicomTag tag);
 
-/// Bytes of one value of a binary type, whose order depends on the file's; 0: text, or bytes
-/// without an order.
+/// Bytes of one value of a binary type, whose byte order depends on the file's; 0 for text and for
+/// bytes, which have no byte order.
 std::size_t dicom_value_bytes(std::string_view type);
 
-/// Without the blanks and zeros that pad values.
+/// `text` without the blanks and zeros that pad values.
 std::string_view dicom_trimmed(std::string_view text);
 
 }  // namespace isoatlas::detail::io

@@ -23,8 +23,8 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// What DCMTK has to say while one of these lives. A JPEG stream that ends too early is filled up
-// with grey, and only a message tells.
+// Captures DCMTK's messages while an object of this class exists. DCMTK fills a JPEG stream that
+// ends too early with grey, and only a message reports it.
 class MessageCapture {
  public:
   MessageCapture() : original_(std::cerr.rdbuf(text_.rdbuf())) {}
@@ -32,7 +32,7 @@ class MessageCapture {
   MessageCapture(const MessageCapture&) = delete;
   MessageCapture& operator=(const MessageCapture&) = delete;
 
-  bool tell_of_damage() const { return text_.str().find("Corrupt JPEG data") != std::string::npos; }
+  bool reports_damage() const { return text_.str().find("Corrupt JPEG data") != std::string::npos; }
 
  private:
   std::ostringstream text_;
@@ -45,7 +45,7 @@ std::unique_ptr<DJDecoder> jpeg_decoder(const DJCodecParameter& parameters, unsi
   return std::make_unique<DJDecompressIJG16Bit>(parameters, OFFalse);
 }
 
-/// OpenJPEG reads a codestream in memory through this.
+/// The memory from which OpenJPEG reads a codestream.
 struct StreamPosition {
   const std::string* stream = nullptr;
   std::size_t at = 0;
@@ -82,7 +82,7 @@ using CodecPointer = std::unique_ptr<opj_codec_t, void (*)(opj_codec_t*)>;
 using StreamPointer = std::unique_ptr<opj_stream_t, void (*)(opj_stream_t*)>;
 using ImagePointer = std::unique_ptr<opj_image_t, void (*)(opj_image_t*)>;
 
-// Null if the codestream is not whole.
+// Null if the codestream is not complete.
 ImagePointer decoded_codestream(StreamPosition& position) {
   const CodecPointer codec(opj_create_decompress(OPJ_CODEC_J2K), opj_destroy_codec);
   const StreamPointer stream(opj_stream_default_create(OPJ_TRUE), opj_stream_destroy);
@@ -114,7 +114,8 @@ void copy_samples(const OPJ_INT32* samples, std::size_t count, char* to) {
   }
 }
 
-// One segment of run lengths into every `stride`-th byte. False if it ends before `count` bytes.
+// Decodes one segment of run lengths into every `stride`-th byte. False if it ends before `count`
+// bytes.
 bool decode_runs(std::string_view runs, char* to, std::size_t count, std::size_t stride) {
   std::size_t made = 0;
   for (std::size_t at = 0; made < count && at < runs.size();) {
@@ -141,7 +142,7 @@ bool decode_runs(std::string_view runs, char* to, std::size_t count, std::size_t
 bool decode_jpeg(const std::string& stream, const FrameSize& frame, char* to) {
   const DJCodecParameter parameters(ECC_lossyYCbCr, EDC_never, EUC_default, EPC_default);
   const std::unique_ptr<DJDecoder> decoder = jpeg_decoder(parameters, frame.bits);
-  std::string bytes = stream;  // the decoder may not change it, but does not promise so
+  std::string bytes = stream;  // a copy, because the decoder takes a pointer that is not const
   const MessageCapture messages;
   return decoder->init().good() &&
          decoder
@@ -149,7 +150,7 @@ bool decode_jpeg(const std::string& stream, const FrameSize& frame, char* to) {
                       reinterpret_cast<Uint8*>(to), static_cast<Uint32>(frame.bytes()),
                       frame.is_signed ? OFTrue : OFFalse)
              .good() &&
-         !messages.tell_of_damage();
+         !messages.reports_damage();
 }
 
 bool decode_jpeg_ls(const std::string& stream, const FrameSize& frame, char* to) {
@@ -186,7 +187,7 @@ bool decode_jpeg_2000(const std::string& stream, const FrameSize& frame, char* t
   return true;
 }
 
-// Segments hold one byte of each sample, the most significant first.
+// Each segment holds one byte of every sample, the most significant first.
 bool decode_run_lengths(std::string_view stream, const FrameSize& frame, char* to) {
   constexpr std::size_t kHeader = 64;
   const std::size_t sample_bytes = frame.sample_bytes(), count = frame.columns * frame.rows;

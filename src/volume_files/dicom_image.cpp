@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: DICOM PS3.3, above all C.7.6.2 (image plane), C.7.6.3 (image pixel), C.7.6.16
-// (functional groups of multi-frame images), C.8.4 (nuclear medicine), C.8.8.3 (dose grid) and
-// C.11.1 (modality lookup table, rescale).
+// Based on: DICOM PS3.3, mainly C.7.6.2 (image plane), C.7.6.3 (image pixel), C.7.6.16 (functional
+// groups of multi-frame images), C.8.4 (nuclear medicine), C.8.8.3 (dose grid) and C.11.1 (modality
+// lookup table, rescale).
 #include "volume_files/dicom_image.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ constexpr std::string_view kDirectoryClass = "1.2.840.10008.1.3.10",
                            kParametricMapClass = "1.2.840.10008.5.1.4.1.1.30";
 constexpr DicomTag kFrameTime = 0x00181063, kFrameTimeVector = 0x00181065;
 
-// Why the frames of a file are no slices of a volume. Thrown inside this file only.
+// The reason why the frames of a file are not slices of a volume. Thrown inside this file only.
 struct Unusable {
   std::string why;
 };
@@ -67,8 +67,8 @@ Vec3 moved(const Vec3& from, const Vec3& along, double by) {
   return {from.x + by * along.x, from.y + by * along.y, from.z + by * along.z};
 }
 
-/// The attributes of one frame: its own functional group comes before the one that all frames
-/// share, that before the file's.
+/// The attributes of one frame: those in its own functional group, else in the group shared by all
+/// frames, else in the file.
 class FrameAttributes {
  public:
   FrameAttributes(const DicomDataSet& file, std::size_t frame)
@@ -123,10 +123,10 @@ class ImageReading {
     std::vector<DicomFrame> all;
     if (image_.frames == 1 || groups != 0) {
       for (std::size_t i = 0; i < image_.frames; ++i) {
-        all.push_back(frame_with_place(i));
+        all.push_back(frame_with_position(i));
       }
     } else {
-      all = frames_without_places();
+      all = frames_without_positions();
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
       const FrameAttributes attributes(file_, i);
@@ -160,7 +160,7 @@ class ImageReading {
       throw Unusable{"is a DICOM segmentation (SEG)"};
     }
     if (file_.has(kModalityTable)) {
-      throw Unusable{"has a modality lookup table, which is not applied"};
+      throw Unusable{"has a modality lookup table, which isoatlas does not apply"};
     }
   }
 
@@ -169,7 +169,7 @@ class ImageReading {
     if (image_.rows == 0 || image_.columns == 0) {
       throw Unusable{"states no image size (Rows, Columns)"};
     }
-    constexpr std::size_t kMostRows = 0xFFFF;  // the standard's numbers have 16 bits
+    constexpr std::size_t kMostRows = 0xFFFF;  // the attributes have 16 bits
     if (image_.rows > kMostRows || image_.columns > kMostRows) {
       throw Unusable{"states an image size of " + std::to_string(image_.columns) + " x " +
                      std::to_string(image_.rows) + ", expected at most 65535 x 65535"};
@@ -189,7 +189,7 @@ class ImageReading {
     } else if (format.bits_allocated != 8 && format.bits_allocated != 16 &&
                format.bits_allocated != 32) {
       throw Unusable{"has " + std::to_string(format.bits_allocated) +
-                     " bits per sample (BitsAllocated), which is not read"};
+                     " bits per sample (BitsAllocated), expected 8, 16 or 32"};
     }
     if (image_.pixels.is_compressed) {
       read_compressed_format(max_memory);
@@ -204,7 +204,7 @@ class ImageReading {
 
   void read_compressed_format(std::uint64_t max_memory) {
     if (!can_decode(image_.transfer_syntax)) {
-      throw Unusable{"is compressed in a way that is not read (transfer syntax " +
+      throw Unusable{"is compressed with a method that isoatlas does not decode (transfer syntax " +
                      dicom_text(image_.transfer_syntax) + ")"};
     }
     if (image_.pixels.fragments.size() < image_.frames) {
@@ -222,7 +222,7 @@ class ImageReading {
   void check_length() {
     const DicomPixels& pixels = image_.pixels;
     if (contents_.is_cut_off) {
-      set_damage("is cut off: its data elements reach beyond its " +
+      set_damage("is cut off: its data elements extend beyond its " +
                  std::to_string(contents_.bytes) + " bytes");
     }
     if (pixels.is_compressed) {
@@ -237,12 +237,12 @@ class ImageReading {
                  "), but its pixel data is not");
     } else if (pixels.bytes / frame_bytes < image_.frames) {
       set_damage("is cut off: its pixel data has " + std::to_string(pixels.bytes) +
-                 " bytes, its header promises " + std::to_string(image_.frames) + " x " +
+                 " bytes, its header states " + std::to_string(image_.frames) + " x " +
                  std::to_string(frame_bytes));
     } else if (pixels.bytes - frame_bytes * image_.frames > 1) {
       image_.warnings.push_back("has " +
                                 std::to_string(pixels.bytes - frame_bytes * image_.frames) +
-                                " bytes of pixel data more than its frames take; they are ignored");
+                                " bytes of pixel data more than its frames need; they are ignored");
     }
   }
 
@@ -252,8 +252,8 @@ class ImageReading {
     }
   }
 
-  // A frame whose position and orientation are stated.
-  DicomFrame frame_with_place(std::size_t number) {
+  // Reads a frame whose position and orientation are stated.
+  DicomFrame frame_with_position(std::size_t number) {
     const FrameAttributes attributes(file_, number);
     DicomFrame frame;
     frame.number = number;
@@ -270,11 +270,11 @@ class ImageReading {
   }
 
   static void set_position(const std::vector<double>& position, DicomFrame& frame) {
-    const std::optional<Vec3> place = vector_in(position, 0);
-    if (!place) {
+    const std::optional<Vec3> stated_position = vector_in(position, 0);
+    if (!stated_position) {
       throw Unusable{"has no position (ImagePositionPatient)"};
     }
-    frame.position = *place;
+    frame.position = *stated_position;
   }
 
   void read_orientation(const FrameAttributes& attributes, DicomFrame& frame) {
@@ -332,7 +332,7 @@ class ImageReading {
       throw Unusable{"has a pixel spacing of '" + dicom_text(stated.text(source)) +
                      "', expected two positive lengths"};
     }
-    frame.spacing_y = spacing[0];  // between rows, then between columns
+    frame.spacing_y = spacing[0];  // the distance between rows comes first
     frame.spacing_x = spacing[1];
   }
 
@@ -342,8 +342,8 @@ class ImageReading {
     }
   }
 
-  // Frames that follow each other along the normal, from one position that the file states.
-  std::vector<DicomFrame> frames_without_places() {
+  // Reads frames that follow each other along the normal, from one position that the file states.
+  std::vector<DicomFrame> frames_without_positions() {
     const FrameAttributes attributes(file_, 0);
     const bool is_nuclear = image_.sop_class == kNuclearClass;
     const DicomDataSet* detector = is_nuclear ? file_.first_item(kDetectorInformation) : nullptr;
@@ -352,7 +352,7 @@ class ImageReading {
     if (is_nuclear && !contains(file_.texts(kImageType), "RECON")) {
       throw Unusable{"is a nuclear medicine image of type " +
                      dicom_text(joined(file_.texts(kImageType))) +
-                     ", whose frames are no slices of a volume"};
+                     ", whose frames are not slices of a volume"};
     }
     DicomFrame first;
     const DicomDataSet* shared_orientation = attributes.group(kPlaneOrientation);
@@ -362,17 +362,18 @@ class ImageReading {
     set_position(plane.numbers(kImagePosition), first);
     read_spacing(attributes, first);
     std::vector<DicomFrame> all(image_.frames, first);
-    const std::vector<Vec3> places =
-        file_.has(kGridFrameOffsets) ? places_by_offsets(first) : places_by_spacing(first);
+    const std::vector<Vec3> positions =
+        file_.has(kGridFrameOffsets) ? positions_by_offsets(first) : positions_by_spacing(first);
     for (std::size_t i = 0; i < all.size(); ++i) {
       all[i].number = i;
-      all[i].position = places[i];
+      all[i].position = positions[i];
     }
     return all;
   }
 
-  // Of a dose grid. Offsets start at 0, or are coordinates along the patient's z axis.
-  std::vector<Vec3> places_by_offsets(const DicomFrame& first) {
+  // Reads the frames of a dose grid. The offsets start at 0, or are coordinates along the patient's
+  // z axis.
+  std::vector<Vec3> positions_by_offsets(const DicomFrame& first) {
     constexpr double kSamePlace = 1e-3;
     const std::vector<double> offsets = file_.numbers(kGridFrameOffsets);
     if (offsets.size() != image_.frames) {
@@ -384,17 +385,17 @@ class ImageReading {
       throw Unusable{"has a GridFrameOffsetVector that starts at " + dicom_number(offsets[0]) +
                      ", expected 0 or its position's z, " + dicom_number(first.position.z)};
     }
-    image_.frame_places = are_coordinates ? "GridFrameOffsetVector (z coordinates)"
-                                          : "GridFrameOffsetVector (from the first frame)";
-    std::vector<Vec3> places;
+    image_.position_source = are_coordinates ? "GridFrameOffsetVector (z coordinates)"
+                                             : "GridFrameOffsetVector (from the first frame)";
+    std::vector<Vec3> positions;
     for (const double offset : offsets) {
-      places.push_back(are_coordinates ? Vec3{first.position.x, first.position.y, offset}
-                                       : moved(first.position, unit_normal(first), offset));
+      positions.push_back(are_coordinates ? Vec3{first.position.x, first.position.y, offset}
+                                          : moved(first.position, unit_normal(first), offset));
     }
-    return places;
+    return positions;
   }
 
-  std::vector<Vec3> places_by_spacing(const DicomFrame& first) {
+  std::vector<Vec3> positions_by_spacing(const DicomFrame& first) {
     const std::vector<DicomTag> pointers = file_.tags(kFrameIncrementPointer);
     const bool is_cine = std::ranges::any_of(
         pointers, [](DicomTag tag) { return tag == kFrameTime || tag == kFrameTimeVector; });
@@ -410,16 +411,16 @@ class ImageReading {
       throw Unusable{"has " + std::to_string(image_.frames) + " frames, but a SliceVector of " +
                      std::to_string(slices.size())};
     }
-    image_.frame_places = "SpacingBetweenSlices " + dicom_number(*spacing);
-    std::vector<Vec3> places;
+    image_.position_source = "SpacingBetweenSlices " + dicom_number(*spacing);
+    std::vector<Vec3> positions;
     for (std::size_t i = 0; i < image_.frames; ++i) {
       const double slice = slices.empty() ? static_cast<double>(i) : slices[i] - 1;
-      places.push_back(moved(first.position, unit_normal(first), *spacing * slice));
+      positions.push_back(moved(first.position, unit_normal(first), *spacing * slice));
     }
-    return places;
+    return positions;
   }
 
-  // The other lists that say what a frame of a nuclear medicine image is.
+  // The other lists that describe the frames of a nuclear medicine image.
   void add_vector_labels(const DicomFrame& frame) {
     constexpr std::array<std::pair<DicomTag, std::string_view>, 8> kVectors{
         {{kEnergyWindowVector, "energy window"},
@@ -469,7 +470,8 @@ class ImageReading {
     }
     if (mapping->has(kRealWorldTable)) {
       throw Unusable{
-          "maps its samples to values by a table (RealWorldValueLUTData), which is not applied"};
+          "maps its samples to values by a table (RealWorldValueLUTData), which isoatlas does not "
+          "apply"};
     }
     frame.slope = number_of(*mapping, kRealWorldSlope, "RealWorldValueSlope", 1);
     frame.intercept = number_of(*mapping, kRealWorldIntercept, "RealWorldValueIntercept", 0);
@@ -491,13 +493,13 @@ class ImageReading {
   void add_label(const DicomDataSet& holder, DicomTag tag, const std::string& name, Kind kind) {
     if (holder.has(tag)) {
       const bool is_clock = tag == kAcquisitionDateTime || tag == kAcquisitionTime ||
-                            tag == kContentTime;  // "080000" is no number
+                            tag == kContentTime;  // "080000" is a time, not a number
       const std::vector<double> numbers = is_clock ? std::vector<double>() : holder.numbers(tag);
       std::vector<std::string> values{dicom_text(holder.text(tag))};
       if (!numbers.empty()) {
         values.clear();
         std::ranges::transform(numbers, std::back_inserter(values),
-                               dicom_number);  // "2" and "2.0" are the same
+                               dicom_number);  // "2" and "2.0" are equal
       }
       labels_.push_back({name, joined(values), kind});
     }
@@ -553,7 +555,8 @@ class ImageReading {
     add_dimension_labels(attributes);
   }
 
-  // The indices of a frame in dimensions of the writer's own, but not the one along the slices.
+  // Adds the indices of a frame in the writer's own dimensions, except the dimension along the
+  // slices.
   void add_dimension_labels(const FrameAttributes& attributes) {
     const DicomDataSet* content = attributes.group(kFrameContent);
     if (content == nullptr) {
@@ -563,9 +566,10 @@ class ImageReading {
     const std::vector<DicomDataSet>& dimensions = file_.items(kDimensionIndices);
     for (std::size_t i = 0; i < std::min(indices.size(), dimensions.size()); ++i) {
       const std::vector<DicomTag> pointers = dimensions[i].tags(kDimensionIndexPointer);
-      constexpr std::array kPlaces{kStackId, kInStackPosition, kImagePosition,
-                                   kImagePositionVolume};
-      if (!pointers.empty() && std::ranges::find(kPlaces, pointers.front()) == kPlaces.end()) {
+      constexpr std::array kPositionTags{kStackId, kInStackPosition, kImagePosition,
+                                         kImagePositionVolume};
+      if (!pointers.empty() &&
+          std::ranges::find(kPositionTags, pointers.front()) == kPositionTags.end()) {
         const std::string label = dicom_text(dimensions[i].text(kDimensionLabel));
         labels_.push_back({label.empty() ? "dimension " + std::to_string(i) : label,
                            dicom_number(indices[i]), Kind::time});
@@ -576,7 +580,7 @@ class ImageReading {
   const DicomContents& contents_;
   const DicomDataSet& file_;
   DicomImage& image_;
-  std::vector<DicomLabel> labels_;  // of the frame that is being read
+  std::vector<DicomLabel> labels_;  // labels of the current frame
   std::optional<std::vector<std::pair<std::string_view, std::vector<double>>>>
       vectors_;  // see add_vector_labels
 };
@@ -629,7 +633,7 @@ DicomFileFrames read_dicom_frames(const fs::path& path, const std::string& name,
   result.is_directory = file.text(kSopClass) == kDirectoryClass;
   result.is_image = contents.pixels.has_value();
   if (contents.is_cut_off && (!result.is_image || result.series.empty())) {
-    throw bad_file(path, "is cut off: its data elements reach beyond its " +
+    throw bad_file(path, "is cut off: its data elements extend beyond its " +
                              std::to_string(contents.bytes) + " bytes");
   }
   if (!result.is_image) {
@@ -672,8 +676,8 @@ std::string dicom_text(const std::string& text) {
 
 std::string dicom_number(double value) {
   std::array<char, 32> text{};
-  const bool is_plain =
-      value == 0 || (std::abs(value) >= 1e-5 && std::abs(value) < 1e15);  // else with an exponent
+  const bool is_plain = value == 0 || (std::abs(value) >= 1e-5 &&
+                                       std::abs(value) < 1e15);  // otherwise with an exponent
   const auto [end, error] = is_plain ? std::to_chars(text.data(), text.data() + text.size(), value,
                                                      std::chars_format::fixed)
                                      : std::to_chars(text.data(), text.data() + text.size(), value);

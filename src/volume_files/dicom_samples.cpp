@@ -45,7 +45,7 @@ struct Range {
   double low = 0, high = 0;
 };
 
-// What the samples of a frame can be.
+// The range of values that the samples of a frame can have.
 Range range_of(const DicomFrame& frame) {
   const DicomSampleFormat& format = frame.image->format;
   const double values = std::ldexp(1.0, static_cast<int>(format.bits_stored));
@@ -75,7 +75,7 @@ SampleType smallest_type(const Range& range) {
                                       : SampleType::float64;
 }
 
-// The stored bits of an integer without what else is in its cell: old files have overlays there.
+// Keeps only the stored bits of integers: the other allocated bits hold overlays in old files.
 template <class Cell>
 void keep_stored_bits(const DicomSampleFormat& format, Cell* samples, std::size_t count) {
   const unsigned unused = format.bits_allocated - format.bits_stored;
@@ -84,7 +84,7 @@ void keep_stored_bits(const DicomSampleFormat& format, Cell* samples, std::size_
     const auto raised = static_cast<std::make_unsigned_t<Cell>>(
         static_cast<std::make_unsigned_t<Cell>>(samples[i]) << above);
     samples[i] =
-        static_cast<Cell>(static_cast<Cell>(raised) >> unused);  // of a signed type: with its sign
+        static_cast<Cell>(static_cast<Cell>(raised) >> unused);  // keeps the sign of signed types
   }
 }
 
@@ -140,12 +140,12 @@ void with_sample(SampleType type, std::byte* samples, Use use) {
   }
 }
 
-/// Reads frames of one file after the other; a file stays open while its frames are read.
+/// Reads frames of one file after another; a file stays open while its frames are read.
 class FrameReader {
  public:
   explicit FrameReader(std::uint64_t max_memory) : max_memory_(max_memory) {}
 
-  /// The frame's cells as they are stored, decompressed and in the machine's byte order.
+  /// The allocated samples of the frame as stored, decompressed and in the machine's byte order.
   void read(const DicomFrame& frame, std::byte* cells) {
     if (image_ != frame.image) {
       image_ = frame.image;
@@ -184,8 +184,8 @@ class FrameReader {
     const std::size_t cell_bytes = image_->format.bits_allocated / 8;
     const std::uint64_t count = std::uint64_t{image_->rows} * image_->columns;
     const std::uint64_t offset = image_->pixels.offset + number * count * cell_bytes;
-    // Bytes in big-endian words are in each other's place; a frame of an odd number of bytes starts
-    // and ends within a word.
+    // In big-endian words the two bytes of a word are swapped; a frame with an odd number of bytes
+    // begins or ends within a word.
     if (image_->is_big_endian && cell_bytes == 1 && image_->pixels.is_words) {
       read_bytes_of_words(number * count, count, cells);
       return;

@@ -9,13 +9,13 @@
 
 namespace isoatlas::detail::io {
 
-/// The type that holds all samples after their rescale. Without a rescale it is the stored one.
-/// With whole slopes and intercepts it is the smallest integer type that holds every value the
-/// stored bits can have; with fractions it is float64.
+/// The type that holds all samples after rescaling. Without rescaling it is the stored type. With
+/// integer slopes and intercepts it is the smallest integer type for every value that the stored
+/// bits can have; with fractions it is float64.
 SampleType dicom_sample_type(const std::vector<DicomFrame>& frames);
 
-/// Reads the frames one after the other into `samples`, which has room for all of them. One frame
-/// at a time is in memory twice.
+/// Reads the frames in order into `samples`, which has room for all of them. One frame at a time is
+/// in memory twice.
 void read_dicom_samples(const std::vector<DicomFrame>& frames, SampleType type,
                         std::uint64_t max_memory, std::byte* samples);
 

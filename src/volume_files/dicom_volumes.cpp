@@ -15,13 +15,13 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// A slice may lie this fraction of the slice distance off its place: positions are written with few
-// digits. A missing slice is off by a whole one.
-constexpr double kPlaceTolerance = 0.1;
+// The largest offset of a slice from its regular position, as a fraction of the slice distance:
+// positions are written with few digits. A missing slice causes an offset of 1.
+constexpr double kPositionTolerance = 0.1;
 constexpr double kGapTolerance = 0.5;
 constexpr double kSameDirectionTolerance = 1e-3;
-// Slices that are closer to each other than this fraction of a pixel are at one place.
-constexpr double kSamePlaceTolerance = 1e-2;
+// Slices whose distance is below this fraction of a pixel have the same position.
+constexpr double kSamePositionTolerance = 1e-2;
 
 Vec3 difference(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 double length(const Vec3& v) { return std::hypot(v.x, v.y, v.z); }
@@ -35,12 +35,12 @@ Vec3 unit(const Vec3& v) {
   return {v.x / size, v.y / size, v.z / size};
 }
 
-bool have_same_place(const DicomFrame& a, const DicomFrame& b) {
+bool have_same_position(const DicomFrame& a, const DicomFrame& b) {
   return length(difference(a.position, b.position)) <=
-         kSamePlaceTolerance * std::min(a.spacing_x, a.spacing_y);
+         kSamePositionTolerance * std::min(a.spacing_x, a.spacing_y);
 }
 
-// Numbers by value, texts by alphabet, numbers first: "2" comes before "10".
+// Orders numbers by value and texts by alphabet, numbers first: "2" precedes "10".
 bool comes_before(const std::string& a, const std::string& b) {
   const auto number = [](const std::string& text) -> std::optional<double> {
     double value = 0;
@@ -59,8 +59,8 @@ struct Before {
 
 std::string length_text(double value) { return dicom_number(std::round(value * 1e6) / 1e6); }
 
-// The first gap that differs from the median gap by more than kGapTolerance: a slice may be
-// missing. Empty: there is none.
+// Describes the first gap that differs from the median gap by more than kGapTolerance: a slice may
+// be missing. Empty if there is none.
 std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -80,24 +80,25 @@ std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   const auto i = static_cast<std::size_t>(found - gaps.begin());
   return "slices are not evenly spaced: " + length_text(*found) + " from " + frames[i].name() +
          " to " + frames[i + 1].name() + ", usually " + length_text(usual) +
-         "; is a slice missing?";
+         "; check whether a slice is missing";
 }
 
-// The slice farthest from its place in an even stack, if it is too far: small differences between
-// gaps can add up.
+// Describes the slice with the largest offset from its position in an evenly spaced stack, if it is
+// too large: small differences between gaps can add up.
 std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& step) {
   std::size_t worst = 0;
-  Vec3 offset;  // of the worst, from its place in an even stack
+  Vec3 offset;  // of the worst slice, from its position in an even stack
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto steps = static_cast<double>(i);
-    const Vec3 place{step.x * steps, step.y * steps, step.z * steps};
-    const Vec3 found = difference(difference(frames[i].position, frames.front().position), place);
+    const Vec3 expected{step.x * steps, step.y * steps, step.z * steps};
+    const Vec3 found =
+        difference(difference(frames[i].position, frames.front().position), expected);
     if (length(found) > length(offset)) {
       worst = i;
       offset = found;
     }
   }
-  if (length(offset) <= kPlaceTolerance * length(step)) {
+  if (length(offset) <= kPositionTolerance * length(step)) {
     return {};
   }
   const double along = std::abs(dot(offset, unit(step)));
@@ -105,12 +106,12 @@ std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& s
   const std::string name = frames[worst].name(), apart = length_text(length(step)) + " apart";
   return along >= beside
              ? "slices are not evenly spaced: " + name + " is " + length_text(along) +
-                   " from its place in an even stack of slices " + apart
+                   " from its position in an even stack of slices " + apart
              : "slices are not in line: " + name + " lies " + length_text(beside) +
-                   " beside the line through the first and the last slice, of slices " + apart;
+                   " from the line through the first and the last slice, of slices " + apart;
 }
 
-/// Volumes that some frames make when they are told apart by an attribute.
+/// The volumes that result from splitting frames by an attribute.
 struct Split {
   std::vector<std::string> names;
   std::vector<DicomStack> volumes;
@@ -121,7 +122,7 @@ const DicomLabel* label_named(const DicomFrame& frame, const std::string& name) 
   return found == frame.labels->end() ? nullptr : &*found;
 }
 
-// The parts that frames fall into by the values of these labels; empty if all are alike.
+// Groups frames by their values of these labels; empty if all frames have the same values.
 std::map<std::string, std::vector<DicomFrame>, Before> parts_by(
     const std::vector<DicomFrame>& frames, const std::vector<std::string>& names) {
   std::map<std::string, std::vector<DicomFrame>, Before> parts;
@@ -140,12 +141,12 @@ std::map<std::string, std::vector<DicomFrame>, Before> parts_by(
   return parts;
 }
 
-// A volume may have moved a little from one time to the next, with the patient or with the
-// scanner's correction of it.
-bool have_near_places(const DicomStack& a, const DicomStack& b) {
-  constexpr double kNear = 0.75;  // of the slice distance
+// True if two volumes have nearly the same position. A volume may move a little between two times,
+// with the patient or by the scanner's motion correction.
+bool have_similar_positions(const DicomStack& a, const DicomStack& b) {
+  constexpr double kNear = 0.75;  // times the slice distance
   const auto are_near = [&](const DicomFrame& slice, const DicomFrame& other) {
-    return have_same_place(slice, other) ||
+    return have_same_position(slice, other) ||
            length(difference(slice.position, other.position)) <= kNear * length(a.step);
   };
   return std::ranges::equal(a.frames, b.frames, are_near);
@@ -161,17 +162,17 @@ Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& pa
   return split;
 }
 
-// Volumes at the same places but for small movements, each with one slice at each of them.
+// True if all volumes have the same positions, apart from small movements, and one slice at each
+// position.
 bool is_split_in_time(const Split& split) {
   return split.volumes.size() > 1 &&
          std::ranges::all_of(split.volumes, [&](const DicomStack& volume) {
            return volume.frames.size() > 1 && volume.problem.empty() &&
-                  have_near_places(volume, split.volumes.front());
+                  have_similar_positions(volume, split.volumes.front());
          });
 }
 
-// Volumes that need not have anything in common; slices that are left over are entries of their
-// own.
+// True if the volumes are independent; remaining single slices become entries of their own.
 bool is_split_in_space(const Split& split) {
   return std::ranges::any_of(split.volumes,
                              [](const DicomStack& volume) { return volume.frames.size() > 1; }) &&
@@ -226,23 +227,23 @@ std::optional<Split> split_in_space(const std::vector<DicomFrame>& frames,
   return std::nullopt;
 }
 
-// Nothing tells the volumes apart, but they follow each other in the order in which frames are
-// numbered.
-std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t places) {
+// Splits frames by their order: no attribute distinguishes the volumes, but they follow each other
+// in the order in which frames are numbered.
+std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t positions) {
   const auto number = [](const DicomFrame& frame) {
     return std::pair(frame.image->instance_number, frame.number);
   };
   std::ranges::sort(frames, {}, number);
   const bool is_one_file = std::ranges::all_of(
       frames, [&](const DicomFrame& frame) { return frame.image == frames.front().image; });
-  if (places == 0 || frames.size() % places != 0 ||
+  if (positions == 0 || frames.size() % positions != 0 ||
       std::ranges::adjacent_find(frames, {}, number) != frames.end()) {
     return std::nullopt;
   }
   Split split;
-  for (std::size_t first = 0; first < frames.size(); first += places) {
+  for (std::size_t first = 0; first < frames.size(); first += positions) {
     const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(first),
-               end = begin + static_cast<std::ptrdiff_t>(places);
+               end = begin + static_cast<std::ptrdiff_t>(positions);
     const auto shown = [&](const DicomFrame& frame) {
       return is_one_file ? std::to_string(frame.number + 1)
                          : std::to_string(frame.image->instance_number);
@@ -254,15 +255,15 @@ std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t p
   return is_split_in_time(split) ? std::optional(split) : std::nullopt;
 }
 
-std::size_t count_places(const DicomStack& sorted) {
-  std::size_t places = 1;
+std::size_t count_positions(const DicomStack& sorted) {
+  std::size_t positions = 1;
   for (std::size_t i = 1; i < sorted.frames.size(); ++i) {
-    places += have_same_place(sorted.frames[i], sorted.frames[i - 1]) ? 0 : 1;
+    positions += have_same_position(sorted.frames[i], sorted.frames[i - 1]) ? 0 : 1;
   }
-  return places;
+  return positions;
 }
 
-/// Frames that may be one volume as far as their image planes say.
+/// Frames whose image planes allow them to be one volume.
 struct PlaneGroup {
   std::vector<DicomFrame> frames;
   bool ignores_world = false;
@@ -281,7 +282,7 @@ struct PlaneGroup {
 };
 
 std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
-  // Anonymized files may have a frame of reference for each slice.
+  // Anonymized files may have a different frame of reference for each slice.
   std::set<std::pair<std::string, std::string>> worlds;
   std::set<const DicomImage*> images;
   for (const DicomFrame& frame : frames) {
@@ -290,7 +291,7 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
   }
   const bool ignores_world = worlds.size() == images.size();
   std::vector<PlaneGroup> groups;
-  std::size_t last = 0;  // frames of one group mostly follow each other
+  std::size_t last = 0;  // mostly, a frame is in the same group as its predecessor
   for (DicomFrame& frame : frames) {
     if (last >= groups.size() || !groups[last].takes(frame)) {
       const auto found =
@@ -305,8 +306,8 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
   return groups;
 }
 
-// One series, or several if an attribute tells its frames apart. Where all frames together are an
-// even stack, that has to be an attribute that is the same in all slices of a volume.
+// Adds one series, or several if an attribute distinguishes its frames. If all frames together are
+// an even stack, only an attribute that never varies within a volume can split them.
 void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
   DicomStack whole = stack_of(std::move(frames));
   const bool is_even = whole.problem.empty();
@@ -322,8 +323,8 @@ void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
       })) {
     in_space.reset();
   }
-  if (whole.is_at_one_place && !in_time && !in_space) {
-    in_time = split_by_runs(whole.frames, count_places(whole));
+  if (whole.has_equal_positions && !in_time && !in_space) {
+    in_time = split_by_runs(whole.frames, count_positions(whole));
   }
   if (in_time) {
     all.push_back({{}, std::move(in_time->volumes), std::move(in_time->names)});
@@ -336,7 +337,7 @@ void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
   }
 }
 
-// What tells entries of one series apart that differ in their planes.
+// Names the parts of a series whose entries differ in their planes.
 void name_parts(std::vector<DicomSeries>& all) {
   for (DicomSeries& one : all) {
     const auto is_same = [&](const DicomSeries& other) {
@@ -369,11 +370,11 @@ DicomStack stack_of(std::vector<DicomFrame> frames) {
   std::ranges::stable_sort(sorted, {},
                            [&](const DicomFrame& frame) { return dot(normal, frame.position); });
   for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (have_same_place(sorted[i - 1], sorted[i])) {
-      stack.problem = "has two slices at one place: " + sorted[i - 1].name() + ", " +
+    if (have_same_position(sorted[i - 1], sorted[i])) {
+      stack.problem = "has two slices at one position: " + sorted[i - 1].name() + ", " +
                       sorted[i].name() +
-                      "; expected one slice at each place (more than one volume?)";
-      stack.is_at_one_place = true;
+                      "; expected one slice at each position; the series may have several volumes";
+      stack.has_equal_positions = true;
       return stack;
     }
   }
@@ -410,7 +411,7 @@ std::string DicomSeries::description() const {
 }
 
 std::vector<DicomSeries> series_of(std::vector<DicomFrame> frames) {
-  // Writers that give every frame a stack of its own mean none.
+  // If a writer gives every frame a stack of its own, the stacks have no meaning.
   std::set<std::string> stacks;
   for (const DicomFrame& frame : frames) {
     stacks.insert(frame.stack);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which frames are a volume together, and where it lies in the world.
+// Groups frames into volumes and determines the position of each volume.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,22 @@
 
 namespace isoatlas::detail::io {
 
-/// Frames in the order of their places along their normal.
+/// Frames sorted by their positions along their normal.
 struct DicomStack {
   std::vector<DicomFrame> frames;
-  Vec3 step;  ///< from slice to slice; need not be perpendicular to them: a CT with a tilted gantry
-              ///< is a sheared grid
-  std::string problem;           ///< why the frames are no volume; empty: they are one
-  bool is_at_one_place = false;  ///< that is the problem: several frames at a place
+  Vec3 step;  ///< from slice to slice; not perpendicular to the slices if the CT gantry is tilted:
+              ///< the grid is then sheared
+  std::string problem;               ///< why the frames are not a volume; empty if they are one
+  bool has_equal_positions = false;  ///< the problem is that several frames have the same position
 };
 
 DicomStack stack_of(std::vector<DicomFrame> frames);
 
-/// One entry of the list of series: one volume, or several at the same places (time points,
+/// One entry of the list of series: one volume, or several at the same positions (time points,
 /// echoes).
 struct DicomSeries {
-  std::string part;  ///< what tells it from another entry of the same series; empty: there is none
+  std::string
+      part;  ///< distinguishes it from other entries of the same series; empty if there are none
   std::vector<DicomStack> volumes;
   std::vector<std::string> volume_names;  ///< e.g. "echo 2"
 
@@ -32,7 +33,8 @@ struct DicomSeries {
   std::string description() const;  ///< "series 3 Abdomen, CT, 16 slices of 512 x 512, UID 1.2.3"
 };
 
-/// Splits frames into series, by their series' UID and, within one, by what cannot be one volume.
+/// Splits frames into series by the UID of their series and, within one, by differences that one
+/// volume cannot have.
 std::vector<DicomSeries> series_of(std::vector<DicomFrame> frames);
 
 }  // namespace isoatlas::detail::io

@@ -15,11 +15,11 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// Headers hold rounded cosines. Within this distance of 1 a length is rounding, and the axis and
-// the spacing stay as written: 0.8125 in the file is 0.8125 in the report.
+// Headers hold rounded cosines. If a length differs from 1 by less than this, it is rounding, and
+// the axis and the spacing stay as written: 0.8125 in the file is 0.8125 in the report.
 constexpr double kUnitTolerance = 1e-6;
 
-// |det| of three unit vectors. Below this the volume is flat for all practical purposes.
+// |det| of three unit vectors below which the volume is considered flat.
 constexpr double kSmallestDeterminant = 1e-4;
 
 bool is_finite(const Vec3& v) {
@@ -44,7 +44,7 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
   grid.direction = axes;
   grid.spacing = spacing;
   if (!is_finite(origin)) {
-    throw bad_file(path, "the origin is not finite");
+    throw bad_file(path, "the origin is not finite, expected three numbers");
   }
   const std::array<double*, 3> steps{&grid.spacing.x, &grid.spacing.y, &grid.spacing.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -72,7 +72,7 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
     }
   }
   for (Vec3* v : {&grid.origin, &grid.direction[0], &grid.direction[1], &grid.direction[2]}) {
-    *v = {v->x + 0.0, v->y + 0.0, v->z + 0.0};  // no "-0" in reports
+    *v = {v->x + 0.0, v->y + 0.0, v->z + 0.0};  // avoids "-0" in reports
   }
   if (std::abs(determinant(grid.direction)) < kSmallestDeterminant) {
     throw bad_file(path, "the direction matrix is singular: the three axes lie in a plane");
@@ -92,7 +92,7 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path,
                         "has " + shape + ", expected a 3-D volume with at least 2 along each axis");
     }
     if (bytes > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / samples) {
-      throw bad_file(path, "the header promises " + shape + ", more than any file can hold");
+      throw bad_file(path, "the header states " + shape + ", more than any file can hold");
     }
     bytes *= samples;
   }
@@ -120,7 +120,7 @@ std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,
     const std::shared_ptr<std::byte[]> samples(new std::byte[bytes]);
 #ifdef ISOATLAS_FILL_SAMPLES
     static std::atomic<unsigned char> fill{
-        0};  // samples that nobody decodes are not the same twice
+        0};  // samples that are not decoded differ from read to read, so tests detect them
     std::memset(samples.get(), ++fill, bytes);
 #endif
     return samples;

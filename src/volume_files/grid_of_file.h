@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every volume reader checks before it trusts a header.
+// Checks that every volume reader makes before it trusts a header.
 #pragma once
 
 #include <array>
@@ -12,17 +12,17 @@
 
 namespace isoatlas::detail::io {
 
-/// A file's geometry as a Grid. A negative spacing turns its axis round and an axis that is no unit
-/// vector gives its length to the spacing, so the positions of the samples in the world stay what
-/// the file says.
+/// The Grid for the geometry that a file states. A negative spacing reverses its axis, and the
+/// length of an axis that is not a unit vector is moved to the spacing, so the world positions of
+/// the samples stay as stated.
 ///
 /// @param axes  direction of the x, y and z axis (the columns of a direction matrix)
-/// @throws Error(bad_file) if a number is not finite, a spacing is zero or the axes do not span the
-/// space
+/// @throws Error(bad_file) if a number is not finite, a spacing is zero or the axes are linearly
+/// dependent
 Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_t, 3>& size,
                   const Vec3& spacing, const Vec3& origin, const std::array<Vec3, 3>& axes);
 
-/// Bytes of the samples.
+/// The size of the samples in bytes.
 ///
 /// @throws Error(unsupported) if there are fewer than two samples along an axis
 /// @throws Error(bad_file) if the product does not fit in 63 bits
@@ -34,8 +34,9 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path,
 void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes,
                                  const ReadOptions& options);
 
-/// Memory for samples, not initialised, aligned for any sample type.
-/// @throws Error(out_of_memory) if there is none, or `bytes` is more than `options.max_memory`
+/// Allocates memory for samples, not initialised, aligned for any sample type.
+/// @throws Error(out_of_memory) if there is not enough, or `bytes` is more than
+/// `options.max_memory`
 std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,
                                               std::uint64_t bytes, const ReadOptions& options);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers at fixed places of a binary header.
+// Numbers at fixed offsets of a binary header.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace isoatlas::detail::io {
 
-/// A header in memory, in either byte order. The caller has checked that it is as long as its
-/// format says.
+/// A header in memory, in either byte order. The caller has checked that it has the length that its
+/// format requires.
 class HeaderFields {
  public:
   HeaderFields(std::string_view bytes, bool swap) : bytes_(bytes), swap_(swap) {}

@@ -62,7 +62,7 @@ std::optional<std::int64_t> integer_of(std::string_view word) { return parsed<st
 
 std::optional<std::string> numbered_name(std::string_view pattern, std::int64_t number) {
   std::string name;
-  std::size_t places = 0;
+  std::size_t placeholders = 0;
   for (std::size_t i = 0; i < pattern.size(); ++i) {
     if (pattern[i] != '%') {
       name += pattern[i];
@@ -77,13 +77,13 @@ std::optional<std::string> numbered_name(std::string_view pattern, std::int64_t 
       name += '%';
     } else if (conversion == 'd' || conversion == 'i' || conversion == 'u') {
       name += padded(number, pattern.substr(i + 1, end - i - 1));
-      ++places;
+      ++placeholders;
     } else {
       return std::nullopt;
     }
     i = end;
   }
-  return places == 1 ? std::optional(name) : std::nullopt;
+  return placeholders == 1 ? std::optional(name) : std::nullopt;
 }
 
 fs::path data_file_path(const fs::path& header_file, std::string_view name) {
@@ -107,7 +107,8 @@ std::string header_text(const fs::path& path, bool (*is_whole)(std::string_view 
       return text;
     }
   }
-  throw bad_file(path, "has no end of its header in the first " + std::to_string(kMost) + " bytes");
+  throw bad_file(
+      path, "has a header that does not end within the first " + std::to_string(kMost) + " bytes");
 }
 
 }  // namespace isoatlas::detail::io

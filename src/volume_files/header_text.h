@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the headers of NRRD and MetaImage have in common: lines of text, numbers in them, and names
-// of data files.
+// Code for the headers of NRRD and MetaImage: lines of text, numbers in them, and names of data
+// files.
 #pragma once
 
 #include <cstdint>
@@ -17,29 +17,30 @@ namespace isoatlas::detail::io {
 /// `text` without blanks at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// The words of `text`, which `separators` separate.
+/// The words of `text`, which are separated by the characters of `separators`.
 std::vector<std::string_view> words_of(std::string_view text, std::string_view separators = " \t");
 
-/// The number that `word` is, in any locale: "0.5", "-1e-3", "nan", "inf". None if it is not one.
+/// `word` as a number, the same in any locale: "0.5", "-1e-3", "nan", "inf". Nothing if it is not a
+/// number.
 std::optional<double> number_of(std::string_view word);
 std::optional<std::int64_t> integer_of(std::string_view word);
 
-/// `pattern` with its one %d replaced by `number`: "slice%03d.raw" and 7 are "slice007.raw". %i and
-/// %u are the same; %% is a percent sign. None if there is no such place, or more than one.
+/// `pattern` with its one %d replaced by `number`: "slice%03d.raw" and 7 give "slice007.raw". %i
+/// and %u are the same as %d; %% is a percent sign. Nothing unless there is exactly one.
 std::optional<std::string> numbered_name(std::string_view pattern, std::int64_t number);
 
-/// The data file that a header calls `name`: relative to the header's folder. Backslashes separate
-/// folders where no file has the name with them in it.
+/// The path of the data file that a header calls `name`, relative to the header's folder.
+/// Backslashes are taken as separators of folders if no file has a name with backslashes.
 std::filesystem::path data_file_path(const std::filesystem::path& header_file,
                                      std::string_view name);
 
-/// Most data files that one header may name.
+/// The largest number of data files that one header may name.
 inline constexpr std::uint64_t kMostDataFiles = 1'000'000;
 
-/// The beginning of the file, unpacked if the file is gzipped, at least up to the end of its
+/// The beginning of the file, decompressed if the file is gzipped, at least up to the end of its
 /// header.
 ///
-/// @param is_whole  does a text that begins like this have the whole header?
+/// @param is_whole  true if a text with this beginning contains the whole header
 /// @throws Error(bad_file) if the header is longer than 64 MiB
 std::string header_text(const std::filesystem::path& path, bool (*is_whole)(std::string_view text));
 

@@ -5,8 +5,8 @@
 
 namespace isoatlas::detail::io {
 
-/// The folder has files that are TIFF or PNG by their names, and no DICOM files. Its subfolders are
-/// not looked at.
+/// True if the folder has files with the extension of TIFF or PNG and no DICOM files. Subfolders
+/// are ignored.
 bool is_image_stack(const std::filesystem::path& folder);
 
 }  // namespace isoatlas::detail::io

@@ -34,7 +34,7 @@ std::optional<double> finite_number(std::string_view text) {
 
 std::optional<std::size_t> count_of_pages(std::string_view text) {
   const std::optional<double> number = finite_number(text);
-  constexpr double kMost = 1e6;  // a product of three fits in 64 bits
+  constexpr double kMost = 1e6;  // the product of three such counts fits in 64 bits
   return number && *number >= 1 && *number <= kMost
              ? std::optional(static_cast<std::size_t>(*number))
              : std::nullopt;

@@ -9,11 +9,11 @@
 
 namespace isoatlas::detail::io {
 
-/// The number that `text` is, in any locale, blanks around it aside. None: it is not a finite
-/// number.
+/// `text` as a number, the same in any locale; blanks around it are ignored. Nothing if it is not a
+/// finite number.
 std::optional<double> finite_number(std::string_view text);
 
-/// The number of channels, slices or times that `text` is. None: it is not a number from 1 to a
+/// `text` as a number of channels, slices or times. Nothing if it is not a number from 1 to a
 /// million.
 std::optional<std::size_t> count_of_pages(std::string_view text);
 
@@ -22,7 +22,7 @@ class KeyValueLines {
  public:
   explicit KeyValueLines(std::string_view text);
   bool has(const std::string& key) const { return values_.contains(key); }
-  std::string text(const std::string& key) const;  ///< empty: not there
+  std::string text(const std::string& key) const;  ///< empty if the key is missing
   std::optional<double> number(const std::string& key) const { return finite_number(text(key)); }
   std::optional<std::size_t> count(const std::string& key) const {
     return count_of_pages(text(key));

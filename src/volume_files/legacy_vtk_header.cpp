@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// KEYWORD NAME [components] TYPE, then values. Identifiers and places in a texture are no volumes.
+// A section KEYWORD NAME [components] TYPE, followed by values. Identifiers and texture coordinates
+// are not volumes.
 struct ValueSection {
   std::string_view keyword;
   std::uint64_t components;
@@ -137,8 +138,8 @@ class HeaderReader {
     }
   }
 
-  // EXTENT x0 x1 y0 y1 z0 z1 instead of DIMENSIONS: the indices of the first and last point along
-  // each axis.
+  // Reads EXTENT x0 x1 y0 y1 z0 z1, an alternative to DIMENSIONS: the indices of the first and last
+  // point along each axis.
   void read_extent() {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::int64_t first = scanner_.integer("the first index of an axis"),
@@ -147,14 +148,14 @@ class HeaderReader {
           last > std::numeric_limits<std::int32_t>::max() || last < first) {
         throw bad_file(path_, "its EXTENT goes from " + std::to_string(first) + " to " +
                                   std::to_string(last) + " along " + "xyz"[axis] +
-                                  ", expected 32-bit indices, the larger one last");
+                                  ", expected 32-bit indices in increasing order");
       }
       header_.grid.points[axis] = static_cast<std::size_t>(last - first + 1);
       first_index_[axis] = static_cast<double>(first);
     }
   }
 
-  // ORIGIN and SPACING may stand after EXTENT.
+  // ORIGIN and SPACING may follow EXTENT.
   void move_origin_to_first_point() {
     header_.grid.origin.x += first_index_[0] * header_.grid.spacing.x;
     header_.grid.origin.y += first_index_[1] * header_.grid.spacing.y;
@@ -173,7 +174,7 @@ class HeaderReader {
       if (factor > 0 &&
           expected >
               static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / factor) {
-        throw bad_file(path_, "the header promises " + shape_of(header_.grid.points) +
+        throw bad_file(path_, "the header states " + shape_of(header_.grid.points) +
                                   " samples, more than any file can hold");
       }
       expected *= factor;
@@ -182,13 +183,13 @@ class HeaderReader {
       throw bad_file(path_, std::string("its ") + (is_cell_data ? "CELL_DATA" : "POINT_DATA") +
                                 " states " + std::to_string(tuples_) +
                                 " values, but its dimensions " + shape_of(header_.grid.points) +
-                                " make " + std::to_string(expected));
+                                " require " + std::to_string(expected));
     }
   }
 
-  // SCALARS name type [components], LOOKUP_TABLE name, values; the table's line may be missing.
-  // COLOR_SCALARS name components, values: so VTK writes all volumes of unsigned char, colours or
-  // not.
+  // Reads SCALARS name type [components], LOOKUP_TABLE name, values; the table's line is optional.
+  // COLOR_SCALARS name components, values: VTK writes all volumes of unsigned char like this,
+  // whether or not they are colours.
   void read_scalars(bool is_colour) {
     LegacyVtkArray array;
     array.array.name = scanner_.name();
@@ -216,12 +217,12 @@ class HeaderReader {
     add(std::move(array), scanner_.keyword(), section->is_volume);
   }
 
-  // Values, one tuple for each point or cell.
+  // Reads values, one tuple for each point or cell.
   void add(LegacyVtkArray array, const std::string& type, bool is_volume = true,
            bool begins_in_next_line = true) {
     if (!has_attributes_) {
       throw bad_file(path_, "its values of '" + one_line(array.array.name, 80) +
-                                "' stand before POINT_DATA or CELL_DATA");
+                                "' precede POINT_DATA or CELL_DATA");
     }
     array.tuples = tuples_;
     scanner_.locate_values(array, type, begins_in_next_line);
@@ -245,14 +246,14 @@ class HeaderReader {
     scanner_.locate_values(table, "unsigned_char");
   }
 
-  // FIELD name arrays, then for each: name components tuples type, values.
+  // Reads FIELD name arrays, and for each array: name components tuples type, values.
   void read_field() {
     scanner_.name();
     const std::uint64_t arrays = scanner_.count("a number of arrays");
     for (std::uint64_t i = 0; i < arrays; ++i) {
       LegacyVtkArray array;
       array.array.name = scanner_.name();
-      if (i > 0 && array.array.name == "METADATA") {  // of the array before
+      if (i > 0 && array.array.name == "METADATA") {  // metadata of the previous array
         skip_metadata();
         array.array.name = scanner_.name();
       }
@@ -271,7 +272,7 @@ class HeaderReader {
     }
   }
 
-  // COMPONENT_NAMES with a line for each, INFORMATION, and an empty line at the end.
+  // Reads COMPONENT_NAMES with a line for each, INFORMATION, and the empty line at the end.
   void skip_metadata() {
     scanner_.line();
     while (scanner_.bytes_left() > 0) {
@@ -322,11 +323,11 @@ class HeaderReader {
   LegacyVtkScanner scanner_;
   LegacyVtkHeader header_;
   bool is_rectilinear_ = false;
-  std::array<double, 3> first_index_{};  // of EXTENT
+  std::array<double, 3> first_index_{};  // from EXTENT
   std::array<AxisCoordinates, 3> coordinates_;
   bool has_attributes_ = false, is_cell_data_ = false;  // after POINT_DATA or CELL_DATA
-  std::uint64_t tuples_ = 0;                            // of it
-  std::uint64_t last_components_ = 0;                   // of the array before
+  std::uint64_t tuples_ = 0;                            // of POINT_DATA or CELL_DATA
+  std::uint64_t last_components_ = 0;                   // of the previous array
   bool is_last_kept_ = false;
 };
 

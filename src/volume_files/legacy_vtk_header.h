@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a legacy VTK file says of its grid and its arrays, and where their values are. "VTK File
+// The grid and the arrays that a legacy VTK file states, and the places of their values. "VTK File
 // Formats" (the VTK User's Guide) describes the format.
 #pragma once
 
@@ -17,12 +17,12 @@ struct LegacyVtkHeader {
   VtkGrid grid = {};
   bool has_spacing = false;
   std::vector<LegacyVtkArray> arrays = {};
-  std::uint64_t ignored_bytes = 0;  ///< at the end, where no section begins
+  std::uint64_t ignored_bytes = 0;  ///< after the last section
 };
 
-/// Goes through the whole file; values are skipped.
-/// @throws Error(bad_file)     cut off, damaged, or sizes that contradict each other
-/// @throws Error(unsupported)  another data set than points with equal steps
+/// Reads through the whole file, but skips the values.
+/// @throws Error(bad_file)     if it is cut off or damaged, or states contradictory sizes
+/// @throws Error(unsupported)  if the data set is not a grid of points with equal steps
 LegacyVtkHeader read_legacy_vtk_header(const std::filesystem::path& path);
 
 }  // namespace isoatlas::detail::io

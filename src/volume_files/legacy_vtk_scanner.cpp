@@ -63,7 +63,7 @@ Number parsed(const fs::path& path, std::string_view word, const std::string& wh
   const std::optional<Number> number = parse<Number>(word);
   if (!number) {
     throw bad_file(path, "has " + (word.empty() ? "nothing" : "'" + one_line(word, 40) + "'") +
-                             " where " + what + " should be");
+                             ", expected " + what);
   }
   return *number;
 }
@@ -139,7 +139,7 @@ void LegacyVtkScanner::locate_values(LegacyVtkArray& array, const std::string& t
   const auto* const type = std::ranges::find(kTypes, type_name, &LegacyType::name);
   if (type == kTypes.end()) {
     throw bad_file(path_, "has values of an unknown type '" + one_line(type_name, 40) +
-                              "', expected one of VTK's, like float");
+                              "', expected a type of VTK such as float");
   }
   array.array.type = type->type;
   array.is_string = type->is_string;
@@ -147,7 +147,7 @@ void LegacyVtkScanner::locate_values(LegacyVtkArray& array, const std::string& t
   if (components > 0 &&
       array.tuples >
           static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / 8 / components) {
-    throw bad_file(path_, "the header promises " + std::to_string(array.tuples) + " x " +
+    throw bad_file(path_, "the header states " + std::to_string(array.tuples) + " x " +
                               std::to_string(components) + " values, more than any file can hold");
   }
   const std::uint64_t values = array.tuples * components;
@@ -160,7 +160,7 @@ void LegacyVtkScanner::locate_values(LegacyVtkArray& array, const std::string& t
   } else if (is_text_) {
     skip_numbers(values);
   } else {
-    // Windows stores a long in 4 bytes, others in 8, and the file does not say which.
+    // Windows stores a long in 4 bytes, other systems in 8, and the file does not state which.
     const bool is_long = type_name == "long" || type_name == "unsigned_long";
     if (is_long && !section_begins_at(array.begin + 8 * values, is_followed_by_array) &&
         section_begins_at(array.begin + 4 * values, is_followed_by_array)) {
@@ -178,7 +178,7 @@ void LegacyVtkScanner::skip_numbers(std::uint64_t values) {
     const std::string_view word = text_.word();
     if (word.empty() ||
         std::string_view("+-.0123456789nNiI").find(word[0]) == std::string_view::npos) {
-      throw bad_file(path_, "is cut off or damaged: the header promises " + std::to_string(values) +
+      throw bad_file(path_, "is cut off or damaged: the header states " + std::to_string(values) +
                                 " numbers, the file has " + std::to_string(i));
     }
   }
@@ -198,7 +198,8 @@ void LegacyVtkScanner::skip_strings(std::uint64_t values) {
   }
 }
 
-// The first two bits say in how many bytes the length is. 3: one, 2: two, 1: four, 0: eight.
+// The first two bits give the number of bytes of the length: 3 is one, 2 is two, 1 is four, 0 is
+// eight.
 void LegacyVtkScanner::skip_binary_string() {
   const std::uint64_t position = text_.position();
   std::array<char, 8> bytes{};
@@ -212,7 +213,7 @@ void LegacyVtkScanner::skip_binary_string() {
   }
   if (count < length_bytes || length > file_bytes_ - position - length_bytes) {
     throw bad_file(path_, "is cut off: a string of " + std::to_string(length) +
-                              " bytes goes beyond the file's end");
+                              " bytes extends beyond the end of the file");
   }
   text_.seek(position + length_bytes + length);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words, numbers and arrays of a legacy VTK file, front to back. Values of arrays are found and
-// skipped, not read.
+// Reads words, numbers and arrays of a legacy VTK file in order. The values of arrays are located
+// and skipped, not read.
 #pragma once
 
 #include <cstddef>
@@ -18,26 +18,28 @@ namespace isoatlas::detail::io {
 struct LegacyVtkArray {
   VtkArray array = {};
   std::uint64_t tuples = 0;
-  std::uint64_t begin = 0, end = 0;  ///< of its values in the file
+  std::uint64_t begin = 0, end = 0;  ///< range of its values in the file
   bool is_string = false;
-  bool is_colour_text = false;  ///< numbers from 0 to 1 for values from 0 to 255
+  bool is_colour_text = false;  ///< numbers from 0 to 1 that stand for 0 to 255
 };
 
-/// The values of `array`, which locate_values() has completed.
+/// Opens the values of `array`, which locate_values() has completed.
 std::unique_ptr<VtkValues> open_values(const std::filesystem::path& path, bool is_text,
                                        const LegacyVtkArray& array);
 
-/// A name as it is: VTK writes %20 for a blank.
+/// The name without its escapes: VTK writes a blank as %20.
 std::string decoded_name(std::string_view name);
 
-/// Words with which a section begins, in lower case.
+/// True for words that begin a section, in lower case.
 bool is_legacy_vtk_keyword(std::string_view word);
 
 class LegacyVtkScanner {
  public:
   explicit LegacyVtkScanner(const std::filesystem::path& path);
 
-  void set_text(bool is_text) { is_text_ = is_text; }  ///< the values are text, else binary
+  void set_text(bool is_text) {
+    is_text_ = is_text;
+  }  ///< true if the values are text, false if they are binary
   bool is_text() const { return is_text_; }
 
   std::string keyword();  ///< the next word in lower case; empty at the end
@@ -46,22 +48,23 @@ class LegacyVtkScanner {
   std::uint64_t position() const { return text_.position(); }
   std::uint64_t bytes_left() const { return file_bytes_ - text_.position(); }
 
-  /// The next word as a number. @throws Error(bad_file) naming `what` if it is not one
+  /// The next word as a number. @throws Error(bad_file) naming `what` if it is not a number
   std::uint64_t count(const std::string& what);
   std::int64_t integer(const std::string& what);
   Vec3 vector(const std::string& what);
 
-  /// The rest of the line as a number; `otherwise` where it is empty.
+  /// The rest of the line as a number; `otherwise` if it is empty.
   std::uint64_t count_in_line(const std::string& what, std::uint64_t otherwise);
 
-  /// Skips a line that begins with `keyword`, if one does.
+  /// Skips the next line if it begins with `keyword`.
   void skip_line_of(std::string_view keyword);
 
-  /// Completes `array`, whose type is called `type_name`, and goes on behind its values.
+  /// Completes `array`, whose type is called `type_name`, and moves the scanner behind its values.
   ///
-  /// @param begins_in_next_line  of binary values: the scanner is still in the line of the type
-  /// @param is_followed_by_array the next word but METADATA is the name of another array of a FIELD
-  /// @throws Error(bad_file) unknown type, or the file ends before the values do
+  /// @param begins_in_next_line  for binary values: the scanner is still in the line of the type
+  /// @param is_followed_by_array the next word, unless it is METADATA, names another array of a
+  /// FIELD
+  /// @throws Error(bad_file) for an unknown type, or if the file ends before the values do
   void locate_values(LegacyVtkArray& array, const std::string& type_name,
                      bool begins_in_next_line = true, bool is_followed_by_array = false);
 

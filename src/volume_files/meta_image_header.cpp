@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kLastField = "ElementDataFile";
 
-// A list of files goes on to the end of the file.
+// True if the text contains the last field. A list of files continues to the end of the file.
 bool has_last_field(std::string_view text) {
   const std::size_t at = text.find(kLastField);
   const std::size_t end = at == text.npos ? text.npos : text.find('\n', at);
@@ -124,7 +124,7 @@ std::vector<std::size_t> meta_sizes(const fs::path& path, const MetaImageHeader&
     throw wrong_meta_image_field(path, "DimSize", header.field("DimSize"),
                                  axes > kMostAxes
                                      ? "at most " + std::to_string(kMostAxes) + " numbers"
-                                     : std::to_string(axes) + " numbers, as NDims says");
+                                     : std::to_string(axes) + " numbers, as NDims states");
   }
   return sizes;
 }
@@ -138,7 +138,7 @@ SampleType meta_sample_type(const fs::path& path, const MetaImageHeader& header)
       {"MET_USHORT", SampleType::uint16},
       {"MET_INT", SampleType::int32},
       {"MET_UINT", SampleType::uint32},
-      {"MET_LONG", SampleType::int32},  // of four bytes in MetaIO, on every machine
+      {"MET_LONG", SampleType::int32},  // four bytes in MetaIO on every machine
       {"MET_ULONG", SampleType::uint32},
       {"MET_LONG_LONG", SampleType::int64},
       {"MET_ULONG_LONG", SampleType::uint64},
@@ -150,7 +150,7 @@ SampleType meta_sample_type(const fs::path& path, const MetaImageHeader& header)
     throw bad_file(path, "is cut off or damaged: its header has no ElementType");
   }
   constexpr std::string_view kArray =
-      "_ARRAY";  // the same samples; how many values each has is in ElementNumberOfChannels
+      "_ARRAY";  // the same sample type; ElementNumberOfChannels gives the number of values
   const std::string_view element =
       type.ends_with(kArray) ? type.substr(0, type.size() - kArray.size()) : type;
   const auto found =

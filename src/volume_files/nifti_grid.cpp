@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where NIfTI samples are. A header can say it in three ways: an affine matrix (sform), a rotation
-// and a voxel size (qform), or the voxel size alone. The sform is used where there is one, as in
+// The positions of NIfTI samples. A header can state them in three ways: an affine matrix (sform),
+// a rotation and a voxel size (qform), or the voxel size alone. The sform is preferred, as in
 // nibabel, FSL, SPM and MRtrix.
 #include <algorithm>
 #include <cmath>
@@ -20,23 +20,23 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A length of the sform and a voxel size this close are the same number, rounded: the size stays as
-// it is written.
+// If a length of the sform and a voxel size differ by less than this fraction, they are the same
+// rounded number, and the size stays as written.
 constexpr double kRounding = 1e-5;
 
-// Of a voxel.
-constexpr double kSamePlace = 1e-4;
+// Positions of a sample that differ by at most this, in voxels, are equal.
+constexpr double kSamePosition = 1e-4;
 
-// Of a voxel. A quaternion in single precision near half a turn is off by as much over 300 voxels;
-// more is another place.
+// sform and qform disagree if positions of a sample differ by more than this, in voxels. A
+// quaternion in single precision near a half turn can be off by as much over 300 voxels.
 constexpr double kDisagreement = 0.1;
 
 constexpr int kScannerCode = 1;  // NIFTI_XFORM_SCANNER_ANAT
 
-// Rounding to single precision makes a quaternion this much longer than 1 at most, by far.
+// How much longer than 1 a quaternion may be by rounding to single precision, with a wide margin.
 constexpr double kLongestQuaternionExcess = 1e-3;
 
-/// From sample indices to the file's right-anterior-superior world, in its unit.
+/// Maps sample indices to the file's right-anterior-superior world, in its unit.
 struct Affine {
   std::array<Vec3, 3> axes{};  ///< steps from sample to sample along x, y and z
   Vec3 origin{};
@@ -57,7 +57,7 @@ std::array<double, 3> lengths(const Affine& affine) {
 }
 
 bool is_usable(const Affine& affine) {
-  constexpr double kSmallestVolume = 1e-4;  // of unit vectors
+  constexpr double kSmallestVolume = 1e-4;  // determinant of unit vectors
   const std::array steps = lengths(affine);
   const Vec3& o = affine.origin;
   for (const double value : {steps[0], steps[1], steps[2], o.x, o.y, o.z}) {
@@ -78,10 +78,9 @@ Affine sform_of(const NiftiHeader& header) {
   return {{column(0), column(1), column(2)}, column(3)};
 }
 
-// Rotation by the unit quaternion (a, b, c, d) with a >= 0, then a z axis that pixdim[0] may turn
-// round.
+// Rotation by the unit quaternion (a, b, c, d) with a >= 0; then pixdim[0] may reverse the z axis.
 Affine qform_of(const NiftiHeader& header) {
-  constexpr double kHalfTurn = 1e-7;  // below this a is 0 but for rounding
+  constexpr double kHalfTurn = 1e-7;  // below this, a is 0 apart from rounding
   auto [b, c, d] = header.quatern;
   double a = 1 - (b * b + c * c + d * d);
   if (a < kHalfTurn) {
@@ -100,8 +99,8 @@ Affine qform_of(const NiftiHeader& header) {
        Vec3{2 * (b * c - a * d) * y, (a * a + c * c - b * b - d * d) * y, 2 * (c * d + a * b) * y},
        Vec3{2 * (b * d + a * c) * z, 2 * (c * d - a * b) * z, (a * a + d * d - c * c - b * b) * z}},
       header.qoffset};
-  if (header.version ==
-      NiftiVersion::nifti1) {  // in single precision, like the header and the format's library
+  if (header.version == NiftiVersion::nifti1) {  // single precision, as in the header and in the
+                                                 // library of the format
     for (Vec3& axis : affine.axes) {
       axis = {static_cast<float>(axis.x), static_cast<float>(axis.y), static_cast<float>(axis.z)};
     }
@@ -109,14 +108,14 @@ Affine qform_of(const NiftiHeader& header) {
   return affine;
 }
 
-// The voxel size alone says nothing about left and right, front and back: the axes are those of the
-// LPS world.
+// The voxel size alone does not define left and right, front and back: the axes are taken as those
+// of the LPS world.
 Affine scaling_of(const NiftiHeader& header) {
   const auto [x, y, z] = voxel_size(header);
   return {{Vec3{-x, 0, 0}, Vec3{0, -y, 0}, Vec3{0, 0, z}}, {}};
 }
 
-/// The largest distance, over all samples, between the places that two affines give one sample.
+/// The largest distance, over all samples, between the positions that two affines give a sample.
 double largest_distance(const Affine& first, const Affine& second,
                         const std::array<std::int64_t, 8>& dim) {
   double largest = 0;
@@ -131,13 +130,13 @@ double largest_distance(const Affine& first, const Affine& second,
   return largest;
 }
 
-/// A qform that can be used.
+/// The qform if it can be used.
 std::optional<Affine> stated_qform(const NiftiHeader& header) {
   const Affine qform = qform_of(header);
   return header.qform_code > 0 && is_usable(qform) ? std::optional(qform) : std::nullopt;
 }
 
-/// The difference between two affines in voxels of the first, where it is largest.
+/// The largest difference between two affines, in voxels of the first.
 double disagreement(const Affine& first, const Affine& second, const NiftiHeader& header) {
   return largest_distance(first, second, header.dim) / std::ranges::min(lengths(first));
 }
@@ -158,16 +157,16 @@ void warn_of_voxel_size(const NiftiHeader& header, const Affine& sform, VolumeSo
 Affine sform_or_its_equal(const NiftiHeader& header, const Affine& sform, VolumeSource& source) {
   const std::optional<Affine> qform = stated_qform(header);
   const double distance = qform ? disagreement(sform, *qform, header) : 0;
-  // Of two that say the same, the qform has perpendicular axes; a scanner's own sform is the one
-  // that was rounded less.
-  if (qform && distance <= kSamePlace && header.sform_code != kScannerCode) {
-    source.decisions.push_back({"affine", "qform, and the sform is the same"});
+  // If both are the same, the qform has perpendicular axes, unless the sform is the scanner's own,
+  // which was rounded less.
+  if (qform && distance <= kSamePosition && header.sform_code != kScannerCode) {
+    source.decisions.push_back({"affine", "qform, which equals the sform"});
     return *qform;
   }
   source.decisions.push_back({"affine", "sform"});
   if (!qform) warn_of_voxel_size(header, sform, source);
   if (distance > kDisagreement) {
-    source.warnings.push_back("its sform and its qform put samples up to " + number(distance) +
+    source.warnings.push_back("its sform and its qform place samples up to " + number(distance) +
                               " voxels apart; the sform is used");
   }
   return sform;
@@ -211,7 +210,7 @@ Affine chosen_affine(const NiftiHeader& header, const fs::path& file, VolumeSour
   }
   decide("voxel size only");
   source.warnings.push_back(
-      "states no orientation: its axes are taken for left, posterior and superior");
+      "states no orientation: its axes are assumed to point left, posterior and superior");
   return scaling_of(header);
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "volume_files/nifti_header.h"
 
-// The structures as the format's authors define them. Their library is not used: it writes to
-// standard error, repairs a header without a word, reads NaN as 0, and its functions have the names
-// of other functions in the copy that ITK brings along.
+// The structures of the format's authors. Their library is not used: it writes to standard error,
+// repairs a header silently, reads NaN as 0, and exports functions with the names of other
+// functions in ITK's copy of the library.
 #define DONT_INCLUDE_ANALYZE_STRUCT
 #include <nifti/nifti1.h>
 #include <nifti/nifti2.h>
@@ -32,7 +32,7 @@ Value swapped(Value value) {
   return std::bit_cast<Value>(bytes);
 }
 
-// Both versions have the same fields, in other places and widths.
+// Both versions have the same fields, at other offsets and with other widths.
 template <class Stored>
 NiftiHeader decoded(const Stored& stored, bool swap, NiftiVersion version) {
   const auto value = [&](auto field) { return swap ? swapped(field) : field; };
@@ -49,7 +49,7 @@ NiftiHeader decoded(const Stored& stored, bool swap, NiftiVersion version) {
   header.scl_slope = value(stored.scl_slope);
   header.scl_inter = value(stored.scl_inter);
   if (version == NiftiVersion::analyze) {
-    header.scl_inter = 0;  // another field there, and no field for what follows
+    header.scl_inter = 0;  // Analyze has another field there, and none of the following fields
     return header;
   }
   header.is_one_file = stored.magic[1] == '+';
@@ -79,7 +79,7 @@ void require_unchanged_magic(const nifti_2_header& stored, const fs::path& file)
   const std::string_view magic(stored.magic, 8);
   if ((!magic.starts_with("n+2") && !magic.starts_with("ni2")) || magic.substr(3) != kEnd) {
     throw bad_file(file,
-                   "is not a NIfTI-2 file, or a transfer as text has damaged it: its mark is '" +
+                   "is not a NIfTI-2 file, or was damaged by a transfer as text: its magic is '" +
                        one_line(magic) + "'");
   }
 }
@@ -103,7 +103,7 @@ NiftiHeader decoded(const std::string& bytes, const fs::path& file) {
       return decoded(stored2, swap, NiftiVersion::nifti2);
     }
   }
-  throw bad_file(file, "is not a NIfTI file: it begins with neither 348 nor 540");
+  throw bad_file(file, "is not a NIfTI file: expected 348 or 540 as its first number");
 }
 
 }  // namespace
@@ -124,11 +124,12 @@ NiftiHeader read_nifti_header(const fs::path& header_file) {
   for (std::size_t axis = 1; axis <= static_cast<std::size_t>(dimensions); ++axis) {
     if (header.dim[axis] < 1) {
       throw bad_file(header_file, "has " + std::to_string(header.dim[axis]) +
-                                      " samples along axis " + std::to_string(axis));
+                                      " samples along axis " + std::to_string(axis) +
+                                      ", expected at least 1");
     }
   }
   std::fill(header.dim.begin() + dimensions + 1, header.dim.end(),
-            1);  // what is there means nothing
+            1);  // unused entries have no meaning
   return header;
 }
 

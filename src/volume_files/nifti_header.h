@@ -13,11 +13,11 @@ namespace isoatlas::detail::io {
 
 enum class NiftiVersion : std::uint8_t { analyze, nifti1, nifti2 };
 
-/// The fields that a volume depends on, under the names of the specification.
+/// The fields that a volume depends on, with the names of the specification.
 struct NiftiHeader {
   NiftiVersion version = NiftiVersion::analyze;
-  bool swap = false;         ///< the file's byte order is not the machine's
-  bool is_one_file = false;  ///< the samples follow the header; else they are in an .img file
+  bool swap = false;         ///< true if the file's byte order differs from the machine's
+  bool is_one_file = false;  ///< the samples follow the header; otherwise they are in an .img file
   std::array<std::int64_t, 8> dim{};
   int datatype = 0;
   int bitpix = 0;
@@ -32,13 +32,13 @@ struct NiftiHeader {
   int intent_code = 0;
 };
 
-/// @throws Error(bad_file)     cut off, no such header, a number of dimensions that is none, a size
-/// that is not positive
-/// @throws Error(unsupported)  CIFTI
+/// @throws Error(bad_file)     if the header is cut off or not a NIfTI header, or states an invalid
+/// number of dimensions or a size that is not positive
+/// @throws Error(unsupported)  for CIFTI
 NiftiHeader read_nifti_header(const std::filesystem::path& header_file);
 
-/// Positions of the samples in millimetres and LPS, with what was decided about them.
-/// @throws Error(bad_file) if neither affine nor the voxel size gives a grid
+/// The positions of the samples in millimetres and LPS. Adds the decisions about them to `source`.
+/// @throws Error(bad_file) if neither an affine nor the voxel size gives a grid
 Grid nifti_grid(const NiftiHeader& header, const std::filesystem::path& header_file,
                 VolumeSource& source);
 

@@ -49,7 +49,7 @@ std::int64_t skip_of(const NrrdHeader& header, const fs::path& path, std::string
   return *skip;
 }
 
-/// How many bytes the next lines of `piece` take.
+/// The number of bytes of the next lines of `piece`.
 std::uint64_t bytes_of_lines(const SamplePiece& piece, std::int64_t lines) {
   ByteSource source(piece.file, piece.offset, piece.packing);
   source.skip(piece.skipped_bytes);
@@ -68,18 +68,19 @@ std::uint64_t bytes_of_lines(const SamplePiece& piece, std::int64_t lines) {
   return bytes;
 }
 
-/// Moves the beginning of a piece by so many bytes of what is there before its own packing.
+/// Moves the beginning of a piece by `bytes` of the data before its own compression.
 void advance(SamplePiece& piece, std::uint64_t bytes) {
   (piece.packing == Packing::none ? piece.offset : piece.skipped_bytes) += bytes;
 }
 
-/// -1 and less: the samples are the file's last bytes, or so many bytes before them.
+/// Skips from the end: -1 means that the samples are the file's last bytes, -2 that one byte
+/// follows them, and so on.
 void skip_from_end(SamplePiece& piece, const fs::path& header_file, std::uint64_t bytes_after,
                    std::uint64_t piece_bytes) {
   if (piece.packing != Packing::none) {
     throw unsupported(
         header_file,
-        "has 'byte skip: -1' with packed samples, expected it with the encoding raw only");
+        "has 'byte skip: -1' with compressed samples, expected it with the encoding raw only");
   }
   const std::uint64_t file_bytes = readable_file_size(piece.file);
   require_stored_bytes(piece.file, piece_bytes, file_bytes - std::min(bytes_after, file_bytes));
@@ -94,16 +95,17 @@ bool is_gzipped_at(const fs::path& file, std::uint64_t offset) {
   return mark[0] == '\x1F' && mark[1] == '\x8B';
 }
 
-/// Teem takes samples that say that they are gzipped as they are if they are not; so files like
-/// this went unnoticed.
+/// Sets the compression of the samples. Teem reads samples whose header states gzip but which are
+/// not gzipped as they are, so such files exist.
 void unpack(SamplePiece& piece, const fs::path& header_file, Packing packing,
             std::uint64_t piece_bytes, VolumeSource& source) {
   if (packing == Packing::none) {
     return;
   }
   if (piece.packing != Packing::none) {
-    throw unsupported(header_file,
-                      "is gzipped as a whole and has packed samples inside, expected one packing");
+    throw unsupported(
+        header_file,
+        "is gzipped as a whole and has compressed samples inside, expected one compression");
   }
   const bool is_plain =
       packing == Packing::deflate && !is_gzipped_at(piece.file, piece.offset) &&
@@ -119,7 +121,7 @@ void unpack(SamplePiece& piece, const fs::path& header_file, Packing packing,
 
 struct NrrdFileList {
   std::vector<std::string> names;
-  std::size_t dimension = 0;  // of the part of the array in each
+  std::size_t dimension = 0;  // dimension of the part of the array in each file
 };
 
 std::size_t piece_dimension(const fs::path& path, std::string_view word, std::size_t axes) {
@@ -132,7 +134,8 @@ std::size_t piece_dimension(const fs::path& path, std::string_view word, std::si
   return static_cast<std::size_t>(dimension);
 }
 
-/// "name%03d.raw <first> <last> <step> [<dimension>]". None if `value` is not of this form.
+/// Reads "name%03d.raw <first> <last> <step> [<dimension>]". Nothing if `value` does not have this
+/// form.
 std::optional<NrrdFileList> numbered_files(const fs::path& path, std::string_view value,
                                            std::size_t axes) {
   const std::vector<std::string_view> words = words_of(value);
@@ -160,7 +163,7 @@ std::optional<NrrdFileList> numbered_files(const fs::path& path, std::string_vie
     return *numbered_name(words[0], *first + static_cast<std::int64_t>(i) * *step);
   };
   const fs::path first_file =
-      data_file_path(path, name(0));  // before memory is allocated for all names
+      data_file_path(path, name(0));  // throws before memory is allocated for all names
   check_data_file(path, first_file, [&] { readable_file_size(first_file); });
   for (std::uint64_t i = 0; i < count; ++i) {
     list.names.push_back(name(i));
@@ -179,7 +182,8 @@ NrrdFileList data_files(const NrrdHeader& header, const fs::path& path, std::siz
   return {{std::string(value)}, axes};
 }
 
-/// Files of all of the array divide its slowest axis.
+/// Checks the number of files. Files with all dimensions of the array share its slowest axis
+/// evenly.
 void require_file_count(const fs::path& path, const NrrdFileList& list,
                         const std::vector<StoredAxis>& axes) {
   std::uint64_t expected = 1;
@@ -191,10 +195,10 @@ void require_file_count(const fs::path& path, const NrrdFileList& list,
       list.dimension < axes.size() ? found == expected : found > 0 && axes.back().size % found == 0;
   if (!is_right) {
     throw bad_file(path, "names " + std::to_string(found) + " data files, expected " +
-                             (list.dimension < axes.size() ? std::to_string(expected)
-                                                           : "a number that divides the " +
-                                                                 std::to_string(axes.back().size) +
-                                                                 " samples of the last axis") +
+                             (list.dimension < axes.size()
+                                  ? std::to_string(expected)
+                                  : "a divisor of the " + std::to_string(axes.back().size) +
+                                        " samples of the last axis") +
                              ", each of dimension " + std::to_string(list.dimension));
   }
 }
@@ -240,7 +244,7 @@ void find_nrrd_samples(StoredSamples& stored, const NrrdHeader& header, const fs
   if (byte_skip < 0 && stored.format.encoding != SampleEncoding::binary) {
     throw unsupported(path, "counts the bytes of its samples from the end (byte skip " +
                                 std::to_string(byte_skip) +
-                                "), expected that with raw samples only, and these are text");
+                                "), expected this with raw samples only, but these are text");
   }
   const std::uint64_t piece_bytes = all_bytes / stored.pieces.size();
   for (SamplePiece& piece : stored.pieces) {

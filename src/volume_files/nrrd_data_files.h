@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the samples of a NRRD file are: after its header, or in files that the header names.
+// Locates the samples of a NRRD file: after its header, or in files that the header names.
 #pragma once
 
 #include <filesystem>
@@ -11,9 +11,9 @@
 
 namespace isoatlas::detail::io {
 
-/// Fills pieces, format and byte order of `stored`, whose axes are filled. Warns in `source` of an
-/// encoding that is not true.
-/// @throws Error(bad_file), Error(unsupported) if the header says nothing that could be
+/// Fills the pieces, format and byte order of `stored`, whose axes are set. Warns in `source` if
+/// the stated encoding is wrong.
+/// @throws Error(bad_file), Error(unsupported) if the header does not locate the samples
 void find_nrrd_samples(StoredSamples& stored, const NrrdHeader& header,
                        const std::filesystem::path& path, VolumeSource& source);
 

@@ -23,7 +23,7 @@ struct Placement {
 
 Vec3 as_vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// From space directions.
+/// The placement that space directions state.
 void place_in_space(Placement& placement, const fs::path& path, const std::array<NrrdAxis, 3>& axes,
                     const NrrdSpace& space) {
   if (space.dimension == 0) {
@@ -38,7 +38,7 @@ void place_in_space(Placement& placement, const fs::path& path, const std::array
     }
     if (space.dimension == 4 && step[3] != 0) {
       throw unsupported(
-          path, std::string("its ") + "xyz"[axis] + " axis runs through space and time at once");
+          path, std::string("its ") + "xyz"[axis] + " axis runs through both space and time");
     }
     placement.spacing[axis] = std::sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2]);
     const double scale = 1 / placement.spacing[axis];
@@ -46,10 +46,10 @@ void place_in_space(Placement& placement, const fs::path& path, const std::array
   }
 }
 
-// Samples in the middle of cells are the default, as in Teem.
+// Samples are at the centres of cells by default, as in Teem.
 bool is_node_centered(const NrrdAxis& axis) { return axis.centering == "node"; }
 
-/// From spacings, or from the ends of the axes.
+/// The placement that spacings or axis mins and maxs state.
 void place_along_axes(Placement& placement, const std::array<NrrdAxis, 3>& axes,
                       VolumeSource& source) {
   std::string missing, from_ends;
@@ -80,7 +80,7 @@ void place_along_axes(Placement& placement, const std::array<NrrdAxis, 3>& axes,
   }
   source.has_spacing = missing.size() < 3;
   if (!missing.empty() && missing.size() < 3) {
-    source.warnings.push_back("states no spacing along " + missing + ", 1 is assumed");
+    source.warnings.push_back("states no spacing along " + missing + "; 1 is assumed");
   }
 }
 
@@ -92,7 +92,7 @@ void turn_to_lps(Placement& placement, const NrrdSpaceName& space) {
   }
 }
 
-/// The unit that all of the space's or the axes' units name.
+/// The unit that the space and the axes name, if it is the same for all.
 LengthUnit stated_unit(const fs::path& path, const std::array<NrrdAxis, 3>& axes,
                        const NrrdSpace& space, std::string& unknown_name) {
   std::vector<std::string> names(
@@ -132,7 +132,7 @@ void decide_unit(Grid& grid, const fs::path& path, const std::array<NrrdAxis, 3>
     source.decisions.push_back({"unit", std::string(symbol(grid.unit))});
   } else if (!unknown_name.empty()) {
     source.decisions.push_back(
-        {"unit", "unknown: '" + one_line(unknown_name, 40) + "' is no unit of length"});
+        {"unit", "unknown: '" + one_line(unknown_name, 40) + "' is not a known unit of length"});
   } else if ((world == NrrdWorld::body || world == NrrdWorld::scanner) && source.has_spacing) {
     grid.unit = LengthUnit::millimetre;
     source.decisions.push_back({"unit", "mm, by the convention of " + one_line(space.name, 40)});
@@ -156,7 +156,7 @@ Grid nrrd_grid(const fs::path& path, const std::array<NrrdAxis, 3>& axes, const 
     place_in_space(placement, path, axes, space);
     if (has_spacings) {
       source.warnings.push_back(
-          "states both spacings and space directions, the space directions are used");
+          "states both spacings and space directions; the space directions are used");
     }
   } else {
     place_along_axes(placement, axes, source);

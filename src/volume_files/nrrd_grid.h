@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the samples of a NRRD file are, in LPS where the file says how its space lies in a body.
+// The geometry of a NRRD file, in LPS if the file states the orientation of its space in a body.
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@
 
 namespace isoatlas::detail::io {
 
-/// The grid of three axes. What is assumed of them is added to the decisions and warnings of
+/// The grid of three axes. Assumptions about them are added to the decisions and warnings of
 /// `source`.
 ///
-/// @param axes  those of the volume, fastest first
+/// @param axes  the axes of the volume, fastest first
 Grid nrrd_grid(const std::filesystem::path& path, const std::array<NrrdAxis, 3>& axes,
                const NrrdSpace& space, VolumeSource& source);
 

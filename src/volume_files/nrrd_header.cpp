@@ -33,7 +33,7 @@ bool is_in(std::string_view list, std::string_view word) {
   return std::ranges::find(words, word) != words.end();
 }
 
-// Lower case, blanks (and what else is in `left_out`) left out.
+// The text in lower case, without blanks and other characters in `left_out`.
 std::string squeezed(std::string_view text, std::string_view left_out = " \t") {
   std::string word = lower_case(text);
   std::erase_if(word, [&](char c) { return left_out.find(c) != std::string_view::npos; });
@@ -55,12 +55,12 @@ std::string unescaped(std::string_view text) {
   return result;
 }
 
-// A blank line ends the header, whatever ends the lines.
+// A blank line ends the header, with any kind of line ends.
 bool has_blank_line(std::string_view text) {
   return text.find("\n\n") != text.npos || text.find("\n\r\n") != text.npos;
 }
 
-/// "name: value" or "key:=value".
+/// Reads a line "name: value" or "key:=value".
 void read_line(NrrdHeader& header, const fs::path& path, std::string_view line) {
   const std::size_t colon = line.find(':');
   const bool is_pair = line.substr(std::min(colon, line.size())).starts_with(":=");
@@ -104,7 +104,7 @@ Error wrong_nrrd_field(const fs::path& path, std::string_view name, std::string_
                             "', expected " + expected);
 }
 
-// One number for each axis; NaN for each if the field is missing.
+// Reads one number for each axis; all are NaN if the field is missing.
 std::vector<double> axis_numbers(const NrrdHeader& header, const fs::path& path,
                                  std::string_view name, std::size_t axes) {
   if (header.field(name).empty()) {
@@ -118,7 +118,7 @@ std::vector<double> axis_numbers(const NrrdHeader& header, const fs::path& path,
   return *numbers;
 }
 
-// One word for each axis, lower case; empty where it is not stated.
+// Reads one word for each axis, in lower case; empty for an axis without one.
 std::vector<std::string> axis_words(const NrrdHeader& header, const fs::path& path,
                                     std::string_view name, std::size_t axes) {
   std::vector<std::string> words;
@@ -134,8 +134,8 @@ std::vector<std::string> axis_words(const NrrdHeader& header, const fs::path& pa
   return words;
 }
 
-// Strings between quotation marks. Fewer than there should be are as good as none: they are about
-// display.
+// The strings between quotation marks. If there are fewer than expected, they are ignored: they are
+// for display only.
 std::vector<std::string> quoted_strings(std::string_view text) {
   std::vector<std::string> strings;
   for (std::size_t i = text.find('"'); i < text.size(); i = text.find('"', i + 1)) {
@@ -148,7 +148,7 @@ std::vector<std::string> quoted_strings(std::string_view text) {
   return strings;
 }
 
-// "(1,0,0) none (0,0,2)": a vector of `dimension` numbers for each axis, or no numbers.
+// Reads "(1,0,0) none (0,0,2)": for each axis a vector of `dimension` numbers, or "none".
 std::vector<std::vector<double>> vectors_of(const fs::path& path, std::string_view name,
                                             std::string_view text, std::size_t dimension) {
   const Error wrong = wrong_nrrd_field(
@@ -222,7 +222,7 @@ NrrdHeader read_nrrd_header(const fs::path& path) {
     rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     line = line.substr(0, line.size() - (line.ends_with('\r') ? 1 : 0));
     if (line.empty()) {
-      break;  // the samples follow
+      break;  // end of the header: the samples follow
     }
     if (is_list) {
       header.listed_files.emplace_back(trimmed(line));

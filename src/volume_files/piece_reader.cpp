@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -37,7 +36,7 @@ ByteSource source_of(const SamplePiece& piece) {
 class BinaryReader final : public PieceReader {
  public:
   BinaryReader(SamplePiece piece, std::size_t sample_bytes, std::uint64_t samples)
-      : piece_(std::move(piece)), sample_bytes_(sample_bytes), promised_(samples * sample_bytes) {}
+      : piece_(std::move(piece)), sample_bytes_(sample_bytes), stated_(samples * sample_bytes) {}
 
   void read(std::byte* to, std::uint64_t samples) override {
     read_bytes(to, samples * sample_bytes_);
@@ -46,7 +45,7 @@ class BinaryReader final : public PieceReader {
   void skip(std::uint64_t samples) override {
     const std::uint64_t bytes = samples * sample_bytes_;
     if (piece_.packing == Packing::none) {
-      source_.reset();  // opened behind them where that is worth it
+      source_.reset();  // opened again after the skipped samples when they are read
       position_ += bytes;
       return;
     }
@@ -63,7 +62,7 @@ class BinaryReader final : public PieceReader {
     if (piece_.packing != Packing::none) {
       return source_->count_rest(kRestLimit);
     }
-    const std::uint64_t end = piece_.offset + piece_.skipped_bytes + promised_;
+    const std::uint64_t end = piece_.offset + piece_.skipped_bytes + stated_;
     return std::max(readable_file_size(piece_.file), end) - end;
   }
 
@@ -77,23 +76,23 @@ class BinaryReader final : public PieceReader {
     const std::uint64_t count = source_->read(to, static_cast<std::size_t>(bytes));
     position_ += count;
     if (count < bytes) {
-      require_stored_bytes(piece_.file, promised_, position_);
+      require_stored_bytes(piece_.file, stated_, position_);
     }
   }
 
   SamplePiece piece_;
   std::size_t sample_bytes_;
-  std::uint64_t promised_;
+  std::uint64_t stated_;
   std::uint64_t position_ = 0;  // bytes read or skipped
   std::optional<ByteSource> source_;
 };
 
-/// Words of any length up to a limit, from a stream of any length.
+/// Reads words up to a maximum length from a stream of any length.
 class WordSource {
  public:
   explicit WordSource(ByteSource source) : source_(std::move(source)), text_(kChunk, '\0') {}
 
-  /// The next word, good until the next call; empty at the end.
+  /// The next word, valid until the next call; empty at the end.
   std::string_view next() {
     constexpr std::string_view kSeparators = " \t\r\n\v\f,";
     for (;;) {
@@ -134,11 +133,8 @@ std::optional<T> sample_of(std::string_view word) {
     return value;
   }
   if constexpr (std::is_integral_v<T>) {  // "12.0" and "1e3" are integers too
-    double number = 0;
-    const double beyond = std::ldexp(1.0, std::numeric_limits<T>::digits);
-    if (parse_number(word, number) && number == std::trunc(number) && number < beyond &&
-        number >= (std::is_signed_v<T> ? -beyond : 0)) {
-      return static_cast<T>(number);
+    if (parse_integer_in_decimal(word, value)) {
+      return value;
     }
   }
   return std::nullopt;
@@ -147,7 +143,7 @@ std::optional<T> sample_of(std::string_view word) {
 class TextReader final : public PieceReader {
  public:
   TextReader(const SamplePiece& piece, SampleType type, std::uint64_t samples)
-      : file_(piece.file), type_(type), promised_(samples), words_(source_of(piece)) {}
+      : file_(piece.file), type_(type), stated_(samples), words_(source_of(piece)) {}
 
   void read(std::byte* to, std::uint64_t samples) override {
     visit_sample_type(type_, [&](auto* null) {
@@ -187,9 +183,8 @@ class TextReader final : public PieceReader {
   std::string_view next() {
     const std::string_view word = words_.next();
     if (word.empty()) {
-      throw bad_file(file_, "is cut off or damaged: the header promises " +
-                                std::to_string(promised_) + " numbers, the file has " +
-                                std::to_string(position_));
+      throw bad_file(file_, "is cut off or damaged: the header states " + std::to_string(stated_) +
+                                " numbers, the file has " + std::to_string(position_));
     }
     ++position_;
     return word;
@@ -197,7 +192,7 @@ class TextReader final : public PieceReader {
 
   std::filesystem::path file_;
   SampleType type_;
-  std::uint64_t promised_;
+  std::uint64_t stated_;
   std::uint64_t position_ = 0;
   WordSource words_;
 };
@@ -207,7 +202,7 @@ class HexadecimalReader final : public PieceReader {
   HexadecimalReader(const SamplePiece& piece, std::size_t sample_bytes, std::uint64_t samples)
       : file_(piece.file),
         sample_bytes_(sample_bytes),
-        promised_(samples * sample_bytes),
+        stated_(samples * sample_bytes),
         source_(source_of(piece)),
         text_(kChunk, '\0') {}
 
@@ -235,7 +230,7 @@ class HexadecimalReader final : public PieceReader {
   }
 
  private:
-  // The next character that is no blank.
+  // The next character that is not blank.
   std::optional<char> next_character() {
     for (;;) {
       if (begin_ == end_) {
@@ -255,7 +250,7 @@ class HexadecimalReader final : public PieceReader {
   int digit() {
     const std::optional<char> c = next_character();
     if (!c) {
-      require_stored_bytes(file_, promised_, position_);
+      require_stored_bytes(file_, stated_, position_);
     }
     int value = 0;
     if (std::from_chars(&*c, &*c + 1, value, 16).ec != std::errc{}) {
@@ -267,15 +262,15 @@ class HexadecimalReader final : public PieceReader {
 
   std::filesystem::path file_;
   std::size_t sample_bytes_;
-  std::uint64_t promised_;
+  std::uint64_t stated_;
   std::uint64_t position_ = 0;
   ByteSource source_;
   std::string text_;
   std::size_t begin_ = 0, end_ = 0;
 };
 
-// No more comes out of a byte: 1032 bytes of deflate's, and 45.9 MB (runs of 255) of the 33 bytes
-// that a bzip2 block takes at least.
+// The largest number of bytes that one compressed byte can produce: 1032 for deflate, and 45.9 MB
+// (runs of 255) for the smallest bzip2 block of 33 bytes.
 std::uint64_t most_per_byte(Packing packing) {
   return packing == Packing::bzip2 ? 2'000'000 : 1100;
 }
@@ -298,19 +293,19 @@ void require_possible_piece(const SamplePiece& piece, const SampleFormat& format
                             std::uint64_t samples) {
   const std::uint64_t file_bytes = readable_file_size(piece.file);
   const std::uint64_t packed = file_bytes - std::min(piece.offset, file_bytes);
-  const std::uint64_t promised = samples * bytes_per_sample(format.type);
-  // A number takes a digit and a blank, in hexadecimal two digits a byte.
+  const std::uint64_t stated = samples * bytes_per_sample(format.type);
+  // A number in text takes at least a digit and a blank; a hexadecimal byte takes two digits.
   const bool is_text = format.encoding == SampleEncoding::text;
-  const std::uint64_t needed = is_text ? samples : promised;
+  const std::uint64_t needed = is_text ? samples : stated;
   if (piece.packing != Packing::none) {
     require_possible_bytes(piece.file, needed, packed, most_per_byte(piece.packing));
     return;
   }
   const std::uint64_t stored = packed - std::min(piece.skipped_bytes, packed);
   if (format.encoding == SampleEncoding::binary) {
-    require_stored_bytes(piece.file, promised, stored);
+    require_stored_bytes(piece.file, stated, stored);
   } else if (needed > (stored + 1) / 2) {
-    throw bad_file(piece.file, "the header promises " + std::to_string(needed) +
+    throw bad_file(piece.file, "the header states " + std::to_string(needed) +
                                    (is_text ? " numbers" : " bytes in hexadecimal") +
                                    ", far more than " + std::to_string(stored) +
                                    " characters can hold");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples one after the other in one file, as bytes or as text.
+// Reads samples in order from one file, stored as bytes or as text.
 #pragma once
 
 #include <cstddef>
@@ -18,12 +18,12 @@ enum class SampleEncoding {
   hexadecimal,  ///< two digits for each byte
 };
 
-/// Where a run of samples is.
+/// The place of a run of samples.
 struct SamplePiece {
   std::filesystem::path file = {};
-  std::uint64_t offset = 0;         ///< in the file as it is on disk
-  Packing packing = Packing::none;  ///< of everything from `offset` on
-  std::uint64_t skipped_bytes = 0;  ///< unpacked bytes before the samples
+  std::uint64_t offset = 0;         ///< in the file on disk
+  Packing packing = Packing::none;  ///< of all bytes from `offset` on
+  std::uint64_t skipped_bytes = 0;  ///< decompressed bytes before the samples
 };
 
 /// How a run of samples is written.
@@ -32,25 +32,26 @@ struct SampleFormat {
   SampleType type = SampleType::uint8;
 };
 
-/// Reads one piece once, front to back. All throw Error(bad_file) if samples are missing or
-/// damaged.
+/// Reads one piece once, from beginning to end. All functions throw Error(bad_file) if samples are
+/// missing or damaged.
 class PieceReader {
  public:
   virtual ~PieceReader() = default;
 
-  /// The next `samples` samples; binary and hexadecimal ones in the file's byte order.
+  /// Reads the next `samples` samples; binary and hexadecimal samples stay in the file's byte
+  /// order.
   virtual void read(std::byte* to, std::uint64_t samples) = 0;
 
-  /// Samples that nobody wants. Packed ones and text are looked at nevertheless, plain bytes are
-  /// not.
+  /// Skips samples. Compressed samples and text are still checked, plain bytes are not read.
   virtual void skip(std::uint64_t samples) = 0;
 
-  /// Bytes after the samples, those of the piece all read or skipped: blanks aside if they are
-  /// text, and at most some 10^6 if they are packed. Checks the checksum of a packed piece.
+  /// Counts the bytes after the samples, when all samples of the piece are read or skipped. Blanks
+  /// are not counted in text; at most about 10^6 bytes are counted in a compressed piece. Verifies
+  /// the checksum of a compressed piece.
   virtual std::uint64_t count_rest() = 0;
 };
 
-/// @param samples  how many the piece has
+/// @param samples  number of samples of the piece
 std::unique_ptr<PieceReader> open_piece(const SamplePiece& piece, const SampleFormat& format,
                                         std::uint64_t samples);
 

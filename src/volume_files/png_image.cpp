@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What libpng is given: it leaves a function by longjmp, so nothing with a destructor may live in
-/// one that calls it.
+/// The state passed to libpng. libpng leaves a function by longjmp, so a function that calls it
+/// must not have local objects with destructors.
 struct Decoder {
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -44,7 +44,8 @@ void no_message(png_structp, png_const_charp) {}
 bool read_header(Decoder& decoder, PngFormat& format) {
   if (setjmp(png_jmpbuf(decoder.png)) != 0) return false;
   png_init_io(decoder.png, decoder.file);
-  png_set_user_limits(decoder.png, 0x7FFFFFFF, 0x7FFFFFFF);  // sizes are checked against the file
+  png_set_user_limits(decoder.png, 0x7FFFFFFF,
+                      0x7FFFFFFF);  // no limits: sizes are checked against the file
   png_read_info(decoder.png, decoder.info);
   format.width = png_get_image_width(decoder.png, decoder.info);
   format.height = png_get_image_height(decoder.png, decoder.info);
@@ -56,7 +57,7 @@ bool read_header(Decoder& decoder, PngFormat& format) {
 
 bool read_rows(Decoder& decoder, png_bytepp rows) {
   if (setjmp(png_jmpbuf(decoder.png)) != 0) return false;
-  png_set_packing(decoder.png);  // less than 8 bits: a byte each, values unchanged
+  png_set_packing(decoder.png);  // values of fewer than 8 bits get a byte each, unchanged
   png_set_interlace_handling(decoder.png);
   png_read_update_info(decoder.png, decoder.info);
   png_read_image(decoder.png, rows);
@@ -90,7 +91,8 @@ void require_opaque(const fs::path& path, const PngFormat& format, const std::by
   for (std::size_t i = 0; i < count; ++i) {
     const std::byte* const alpha = stored + (i + 1) * sample_bytes - value_bytes;
     if (alpha[0] != std::byte{0xFF} || alpha[value_bytes - 1] != std::byte{0xFF}) {
-      throw unsupported(path, "has transparent samples (an alpha channel), expected opaque ones");
+      throw unsupported(path,
+                        "has transparent samples (an alpha channel), expected opaque samples");
     }
   }
 }
@@ -99,7 +101,7 @@ void require_opaque(const fs::path& path, const PngFormat& format, const std::by
 
 std::uint64_t PngFormat::stored_bytes() const {
   return (std::uint64_t{width} * values_per_sample * bits + 7) / 8 *
-         height;  // below 2^31 * 2^6 / 2^3 * 2^31
+         height;  // does not overflow: below 2^31 * 2^6 / 2^3 * 2^31
 }
 
 std::string to_string(const PngFormat& format) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One PNG image, by libpng, values as stored.
+// One PNG image, by libpng; values as stored.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace isoatlas::detail::io {
 
 struct PngFormat {
   std::uint32_t width = 0, height = 0;
-  unsigned bits = 8;  ///< of one value: 1, 2, 4, 8 or 16
+  unsigned bits = 8;  ///< bits of one value: 1, 2, 4, 8 or 16
   unsigned values_per_sample =
-      1;  ///< 1: grey or palette, 2: grey and alpha, 3: red, green and blue, 4: and alpha
+      1;  ///< 1: grey or palette, 2: grey and alpha, 3: red, green and blue, 4: the same with alpha
   bool is_palette = false;
   friend bool operator==(const PngFormat&, const PngFormat&) = default;
 
@@ -25,16 +25,16 @@ struct PngFormat {
   std::uint64_t stored_bytes() const;
 };
 
-/// "24 x 20 samples of uint8", with what there is of each where it is not one grey value.
+/// E.g. "24 x 20 samples of uint8"; states the values of a sample if it is not one grey value.
 std::string to_string(const PngFormat& format);
 
-/// @throws Error(bad_file) no PNG, or damaged
+/// @throws Error(bad_file) if it is not a PNG file, or is damaged
 PngFormat png_format(const std::filesystem::path& path);
 
 /// Reads value `value` of every sample to `samples`, which has room for width x height of the type.
-/// @throws Error(bad_file) if the image cannot be decoded whole, or is not of this format
+/// @throws Error(bad_file) if the image cannot be decoded completely, or is not of this format
 /// @throws Error(unsupported) if it has an alpha value that is not opaque
-/// @throws Error(out_of_memory) if all values together are more than the limit
+/// @throws Error(out_of_memory) if all values together are larger than the limit
 void read_png(const std::filesystem::path& path, const PngFormat& format, std::size_t value,
               const ReadOptions& options, std::byte* samples);
 

@@ -35,7 +35,8 @@ namespace {
 
 constexpr double kSameSpacingTolerance = 1e-3;  // relative
 
-// The number of the entry that a UID, or the end of one, names; otherwise what was wanted as it is.
+// The index of the entry whose UID, or the end of whose UID, is `wanted`; otherwise `wanted`
+// unchanged.
 std::string entry_wanted(const std::vector<DicomSeries>& all, const std::string& wanted) {
   const bool is_number = !wanted.empty() && wanted.size() < 6 &&
                          wanted.find_first_not_of("0123456789") == std::string::npos;
@@ -46,7 +47,7 @@ std::string entry_wanted(const std::vector<DicomSeries>& all, const std::string&
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].image().series.ends_with(wanted)) {
       if (!found.empty()) {
-        return wanted;  // names several
+        return wanted;  // `wanted` matches several entries
       }
       found = std::to_string(i);
     }
@@ -75,7 +76,7 @@ DicomStack choose_volume(const fs::path& path, DicomSeries series, const ReadOpt
   return std::move(series.volumes[entry]);
 }
 
-// ITK's order of operations, so that a grid has the same bits wherever it was read.
+// Computes in ITK's order of operations, so that a grid has the same bits as in ITK.
 std::array<Vec3, 3> orthogonal_axes(const DicomFrame& frame) {
   const auto cross = [](const Vec3& a, const Vec3& b) {
     return Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -91,7 +92,7 @@ std::array<Vec3, 3> orthogonal_axes(const DicomFrame& frame) {
 
 void require_readable(const fs::path& path, const DicomStack& stack) {
   if (!stack.problem.empty()) {
-    throw Error(stack.is_at_one_place ? ErrorCode::unsupported : ErrorCode::bad_file,
+    throw Error(stack.has_equal_positions ? ErrorCode::unsupported : ErrorCode::bad_file,
                 one_line(path.string() + ": " + stack.problem, 2000));
   }
   const DicomFrame& first = stack.frames.front();
@@ -136,7 +137,7 @@ void add_decisions(const DicomSeries& series, const std::vector<DicomFrame>& fra
                        (image.rescale_type.empty() ? "" : " (" + image.rescale_type + ")"));
   }
   add("slices",
-      image.frame_places.empty() ? "by ImagePositionPatient" : "by " + image.frame_places);
+      image.position_source.empty() ? "by ImagePositionPatient" : "by " + image.position_source);
   add("compression", image.pixels.is_compressed ? compression_name(image.transfer_syntax) : "");
   add("lossy", image.is_lossy ? "the image was compressed with loss" : "");
   add("photometric interpretation",
@@ -159,8 +160,8 @@ void add_image_warnings(const std::vector<DicomFrame>& frames, VolumeSource& sou
   }
 }
 
-// Attributes that are mostly the same in all slices of a volume. Where they are not, the slices may
-// be of several volumes.
+// Attributes that are usually the same in all slices of a volume. If they differ, the slices may be
+// of several volumes.
 void warn_of_differences(const std::vector<DicomFrame>& frames, VolumeSource& source) {
   constexpr std::array<std::string_view, 5> kSuspicious{"inversion time", "flip angle",
                                                         "image type", "sequence", "kernel"};
@@ -177,7 +178,7 @@ void warn_of_differences(const std::vector<DicomFrame>& frames, VolumeSource& so
     if (found.size() > 1) {
       source.warnings.push_back("its slices differ in " + name + " (" + *found.begin() + ", " +
                                 *std::next(found.begin()) + (found.size() > 2 ? ", ..." : "") +
-                                "), and are read as one volume");
+                                "); they are read as one volume");
     }
   }
 }
@@ -196,7 +197,7 @@ Volume read_stack(const fs::path& path, const DicomStack& stack, const ReadOptio
   }
   const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(volume.view.type));
   std::array<Vec3, 3> axes = orthogonal_axes(first);
-  axes[2] = stack.step;  // grid_of_file moves its length to the spacing
+  axes[2] = stack.step;  // grid_of_file() moves its length to the spacing
   volume.view.grid =
       grid_of_file(path, size, {first.spacing_x, first.spacing_y, 1}, first.position, axes);
   volume.view.grid.unit = LengthUnit::millimetre;

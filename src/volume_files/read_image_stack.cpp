@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of TIFF or PNG images, each of them a slice.
+// A folder of TIFF or PNG images, each of which is a slice.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -36,7 +36,7 @@ bool is_image(const fs::path& path) {
   return extension == ".tif" || extension == ".tiff" || extension == ".png";
 }
 
-// Names that begin with a dot are what macOS and others keep beside files.
+// Names with a leading dot are skipped: macOS and others store metadata in such files.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -56,11 +56,11 @@ bool is_dicom(const fs::path& path) {
   return std::string_view(start.data() + 128, 4) == "DICM";
 }
 
-/// The images as one kind, TIFF or PNG.
+/// The images of a folder, all TIFF or all PNG.
 class SliceFiles {
  public:
   virtual ~SliceFiles() = default;
-  /// Size along x and y.
+  /// The size along x and y.
   virtual std::array<std::size_t, 2> size() const = 0;
   virtual SampleType type() const = 0;
   virtual std::uint64_t stored_bytes() const = 0;
@@ -83,7 +83,7 @@ class TiffSlices final : public SliceFiles {
     format_ = tiff.format();
     value_names_ = tiff.value_names();
     if (format_.photometric == PHOTOMETRIC_MINISWHITE) {
-      source.decisions.push_back({"photometric", "white is zero, samples kept as stored"});
+      source.decisions.push_back({"photometric", "white is zero; samples are kept as stored"});
     }
     stack = describe_slice(tiff, source);
     rescale_ = stack.rescale;
@@ -125,8 +125,8 @@ class TiffSlices final : public SliceFiles {
     const std::vector<std::size_t> pages = pages_without_previews(tiff, ignored);
     if (pages.size() > 1) {
       throw unsupported(tiff.path(), "has " + std::to_string(pages.size()) +
-                                         " pages, expected one slice in each file of the folder; a "
-                                         "file of many slices is read by itself");
+                                         " pages, expected one slice in each file of the folder; "
+                                         "read a file of many slices by its own path");
     }
     tiff.select(pages.front());
   }
@@ -143,10 +143,10 @@ class PngSlices final : public SliceFiles {
       : first_(first), format_(png_format(first)) {
     source.reader = png_library_version();
     if (format_.is_palette) {
-      source.decisions.push_back({"colours", "palette, samples are its indices"});
+      source.decisions.push_back({"colours", "palette; samples are its indices"});
     }
     if (format_.has_alpha()) {
-      source.decisions.push_back({"alpha", "left out, all samples are opaque"});
+      source.decisions.push_back({"alpha", "ignored; all samples are opaque"});
     }
   }
   std::array<std::size_t, 2> size() const override { return {format_.width, format_.height}; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legacy VTK, by hand: ITK takes cell data for point data and does not notice missing samples, and
-// VTK returns what was in memory for those.
+// Legacy VTK, read without a library: ITK takes cell data for point data and does not detect
+// missing samples, and VTK returns uninitialised memory for them.
 #include <string>
 
 #include "files/byte_source.h"
@@ -46,7 +46,7 @@ VolumeFile read_legacy_vtk(const fs::path& path, const ReadOptions& options) {
   source.has_spacing = header.has_spacing;
   if (header.ignored_bytes > 0) {
     source.warnings.push_back("has " + std::to_string(header.ignored_bytes) +
-                              " bytes more than its header promises; they are not read");
+                              " bytes more than its header states; they are not read");
   }
   const LegacyVtkArray& array =
       header.arrays[choose_array(path, descriptions(header), options, source)];

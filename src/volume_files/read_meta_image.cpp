@@ -32,7 +32,7 @@ std::string shape_of(const std::vector<std::size_t>& sizes) {
   return shape;
 }
 
-/// The first three axes; one sample where there are fewer, which checked_sample_bytes() refuses.
+/// The first three axes. Missing axes get one sample, which checked_sample_bytes() refuses.
 std::array<std::size_t, 3> volume_size(const fs::path& path,
                                        const std::vector<std::size_t>& sizes) {
   const bool is_volume = std::ranges::all_of(
@@ -47,8 +47,8 @@ std::array<std::size_t, 3> volume_size(const fs::path& path,
   return size;
 }
 
-// ITK's files name the directions of a body and are in millimetres; "???" says that they are not
-// known.
+// ITK's files name the directions of a body and are in millimetres; "???" states that the
+// directions are unknown.
 void decide_unit(Grid& grid, const MetaImageHeader& header, VolumeSource& source) {
   const std::string_view orientation = header.field("AnatomicalOrientation");
   grid.unit = length_unit_named(header.field("DistanceUnits"));
@@ -62,8 +62,9 @@ void decide_unit(Grid& grid, const MetaImageHeader& header, VolumeSource& source
   }
 }
 
-/// The later name wins where MetaIO lets it overwrite the earlier one. The centre of rotation and
-/// the anatomical orientation add nothing to the matrix and the offset, as in ITK.
+/// If both names of a field exist, the later one wins where MetaIO lets it overwrite the earlier.
+/// The centre of rotation and the anatomical orientation do not change the matrix or the offset, as
+/// in ITK.
 Grid meta_grid(const fs::path& path, const MetaImageHeader& header, std::size_t axes,
                const std::array<std::size_t, 3>& size, VolumeSource& source) {
   std::vector<double> spacing(3, 1);
@@ -81,7 +82,7 @@ Grid meta_grid(const fs::path& path, const MetaImageHeader& header, std::size_t 
       directions[axis] = {row[0], row[1], row[2]};
       if (std::any_of(row + 3, row + axes, [](double x) { return x != 0; })) {
         throw unsupported(
-            path, std::string("its ") + "xyz"[axis] + " axis runs through space and time at once");
+            path, std::string("its ") + "xyz"[axis] + " axis runs through both space and time");
       }
     }
   }
@@ -91,7 +92,7 @@ Grid meta_grid(const fs::path& path, const MetaImageHeader& header, std::size_t 
   return grid;
 }
 
-/// What MetaIO and ITK have in the header and leave to others.
+/// Warns of a rescaling in the header, which MetaIO and ITK do not apply either.
 void warn_of_rescale(const fs::path& path, const MetaImageHeader& header, VolumeSource& source) {
   const double slope = meta_numbers(path, header, {"ElementToIntensityFunctionSlope"}, 1)
                            .value_or(std::vector<double>{1})[0];
@@ -112,7 +113,7 @@ void warn_of_rescale(const fs::path& path, const MetaImageHeader& header, Volume
   }
 }
 
-/// A data file, under its name or with .gz after it.
+/// A data file with the given name, or with .gz appended to it.
 SamplePiece detached_piece(const fs::path& path, const std::string& name, bool is_packed) {
   const fs::path file = data_file_path(path, name);
   fs::path packed = file;
@@ -126,10 +127,10 @@ SamplePiece detached_piece(const fs::path& path, const std::string& name, bool i
 
 struct MetaImageFileList {
   std::vector<std::string> names;
-  std::size_t dimension = 0;  // of the part of the image in each
+  std::size_t dimension = 0;  // dimension of the part of the image in each file
 };
 
-/// "LIST [<dimension>]"
+/// Reads "LIST [<dimension>]".
 MetaImageFileList listed_files(const fs::path& path, const MetaImageHeader& header,
                                const std::vector<std::size_t>& sizes) {
   const std::vector<std::string_view> words = words_of(header.field("ElementDataFile"));
@@ -144,13 +145,13 @@ MetaImageFileList listed_files(const fs::path& path, const MetaImageHeader& head
           stated == 0 || stated > sizes.size() ? sizes.size() - 1 : stated};  // as in MetaIO
 }
 
-/// "name%03d.raw [<first> [<last> [<step>]]]", a file for each sample of the last axis. None if
-/// `value` is not of this form.
+/// Reads "name%03d.raw [<first> [<last> [<step>]]]", a file for each sample of the last axis.
+/// Nothing if `value` does not have this form.
 std::optional<MetaImageFileList> numbered_files(const fs::path& path, std::string_view value,
                                                 const std::vector<std::size_t>& sizes) {
   const std::vector<std::string_view> words = words_of(value);
   std::vector<std::int64_t> numbers;
-  std::size_t name_words = words.size();  // a name may have blanks
+  std::size_t name_words = words.size();  // a name may contain blanks
   while (name_words > 1 && numbers.size() < 3 && integer_of(words[name_words - 1])) {
     numbers.insert(numbers.begin(), *integer_of(words[--name_words]));
   }
@@ -178,7 +179,7 @@ std::optional<MetaImageFileList> numbered_files(const fs::path& path, std::strin
   MetaImageFileList list{{}, sizes.size() - 1};
   const auto name = [&](std::int64_t i) { return *numbered_name(pattern, first + i * step); };
   const fs::path first_file =
-      detached_piece(path, name(0), false).file;  // before memory is allocated for all names
+      detached_piece(path, name(0), false).file;  // throws before memory is allocated for all names
   check_data_file(path, first_file, [&] { readable_file_size(first_file); });
   for (std::int64_t i = 0; i < count; ++i) {
     list.names.push_back(name(i));
@@ -199,23 +200,25 @@ void require_file_count(const fs::path& path, const MetaImageFileList& list,
   }
 }
 
-/// HeaderSize: bytes before the samples in each file, counted from its beginning; -1: the samples
-/// are its last bytes.
+/// Applies HeaderSize: the number of bytes before the samples in each file; -1 means that the
+/// samples are the file's last bytes.
 void skip_header(SamplePiece& piece, const fs::path& path, std::int64_t header_size,
                  std::uint64_t piece_bytes) {
   if (header_size > 0) {
     (piece.file == path && piece.skipped_bytes > 0 ? piece.skipped_bytes : piece.offset) =
         static_cast<std::uint64_t>(header_size);
   } else if (header_size == -1 && piece.packing != Packing::none) {
-    throw unsupported(
-        path, "has 'HeaderSize = -1' with packed samples, expected it with plain ones only");
+    throw unsupported(path,
+                      "has 'HeaderSize = -1' with compressed samples, expected it with "
+                      "uncompressed samples only");
   } else if (header_size == -1) {
     const std::uint64_t file_bytes = readable_file_size(piece.file);
     piece.offset = file_bytes - std::min(piece_bytes, file_bytes);
   }
 }
 
-/// The stream's own end counts, not the CompressedDataSize, which is often missing or wrong.
+/// The end of the compressed stream counts; CompressedDataSize is ignored, since it is often
+/// missing or wrong.
 void find_samples(StoredSamples& stored, const fs::path& path, const MetaImageHeader& header,
                   const std::vector<std::size_t>& sizes) {
   const std::string_view name = header.field("ElementDataFile");
@@ -231,7 +234,8 @@ void find_samples(StoredSamples& stored, const fs::path& path, const MetaImageHe
   if (lower_case(name) == "local") {
     if (is_packed && header.is_gzipped) {
       throw unsupported(
-          path, "is gzipped as a whole and has packed samples inside, expected one packing");
+          path,
+          "is gzipped as a whole and has compressed samples inside, expected one compression");
     }
     stored.pieces.push_back(
         header.is_gzipped

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FreeSurfer's MGH, plain or gzipped (MGZ). Always big endian; what follows the samples (scan
+// FreeSurfer's MGH, uncompressed or gzipped (MGZ). Always big-endian. Data after the samples (scan
 // parameters) is not read.
 #include <array>
 #include <bit>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMghHeaderBytes = 284;  // the samples follow
-constexpr std::size_t kFieldBytes = 90;       // those that mean something
+constexpr std::size_t kFieldBytes = 90;       // the part of the header that is used
 constexpr bool kSwap = std::endian::native == std::endian::little;
 
 SampleType mgh_sample_type(int type, const fs::path& path) {
@@ -49,9 +49,9 @@ SampleType mgh_sample_type(int type, const fs::path& path) {
                               "), expected unsigned char, int, float, short or unsigned short");
 }
 
-/// Orientation and place: the directions of the axes, and the world position of the sample in the
-/// middle, in right-anterior-superior. The position of the middle counts half the number of
-/// samples, not half the extent.
+/// Orientation and position: the directions of the axes, and the world position of the central
+/// sample, in right-anterior-superior. The central sample has half the number of samples as its
+/// index, not half the extent.
 struct Orientation {
   Vec3 spacing{1, 1, 1};
   std::array<Vec3, 3> axes{Vec3{-1, 0, 0}, Vec3{0, 0, -1},
@@ -64,7 +64,7 @@ Orientation orientation_of(const HeaderFields& header, VolumeSource& source) {
   if (header.at<std::int16_t>(28) <= 0) {  // goodRASFlag
     source.decisions.push_back({"affine", "none"});
     source.warnings.push_back(
-        "states no orientation (goodRASFlag is 0): coronal layers of 1 mm are assumed, as in "
+        "states no orientation (goodRASFlag is 0): coronal slices of 1 mm are assumed, as in "
         "FreeSurfer");
     return orientation;
   }
@@ -101,7 +101,7 @@ VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
   if (bytes.size() < kFieldBytes)
     throw bad_file(path, "is not an MGH file, or its header is cut off");
   const HeaderFields header(bytes, kSwap);
-  constexpr int kVersion = 1;  // the byte above it says what the values mean
+  constexpr int kVersion = 1;  // the byte above it states the meaning of the values
   if ((header.int32(0) & 0xFF) != kVersion) {
     throw bad_file(path, "is not an MGH file: its version is " + std::to_string(header.int32(0)) +
                              ", expected 1");

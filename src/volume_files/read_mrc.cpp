@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t kMrcHeaderBytes = 1024;
 
-// Places in the header, under the names of the specification.
+// Offsets in the header, with the names of the specification.
 constexpr std::size_t kNx = 0, kMode = 12, kNxStart = 16, kMx = 28, kCellA = 40, kCellB = 52,
                       kMapC = 64, kDmin = 76, kDmax = 80, kSpaceGroup = 88, kExtendedBytes = 92,
                       kImodStamp = 152, kImodFlags = 156, kOrigin = 196;
@@ -49,8 +49,8 @@ std::array<int, 3> axes_of(const HeaderFields& header) {
   return axes;
 }
 
-// The machine stamp is wrong in many files, so the byte order is the one in which the header makes
-// sense.
+// True if the header is valid in this byte order. The machine stamp is wrong in many files, so the
+// byte order is found by this test.
 bool is_plausible(const HeaderFields& header) {
   std::array<int, 3> axes = axes_of(header);
   std::ranges::sort(axes);
@@ -60,7 +60,7 @@ bool is_plausible(const HeaderFields& header) {
          header.int32(kMode) >= 0 && header.int32(kMode) < kMostModes;
 }
 
-// The byte order in which the header makes sense. If both do, the one with the smaller sizes:
+// Selects the byte order in which the header is valid. If both are, the one with the smaller sizes:
 // swapped sizes are enormous.
 bool is_swapped(const std::string& bytes) {
   const HeaderFields native(bytes, false), swapped(bytes, true);
@@ -73,15 +73,15 @@ bool is_swapped(const std::string& bytes) {
 
 bool is_from_imod(const HeaderFields& header) { return header.int32(kImodStamp) == kImodMark; }
 
-/// Samples as they are stored.
+/// How samples are stored.
 struct MrcType {
   SampleType type = SampleType::float32;
   std::size_t bytes = 4;
   bool is_half = false;
 };
 
-// Bytes are signed since MRC2014. IMOD has a flag for it; of other files with unsigned bytes the
-// stated range tells.
+// The type of 8-bit samples, which are signed since MRC2014. IMOD has a flag for it; in other files
+// the stated range shows unsigned bytes.
 MrcType byte_type(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   constexpr double kLargestSigned = 127, kLargestUnsigned = 255;
   const double least = header.float32(kDmin), largest = header.float32(kDmax);
@@ -142,7 +142,7 @@ std::array<Vec3, 3> cell_axes(const HeaderFields& header, VolumeSource& source) 
   return {Vec3{1, 0, 0}, Vec3{gamma, sine, 0}, Vec3{beta, y, std::sqrt(1 - beta * beta - y * y)}};
 }
 
-/// Length of a step along the world's x, y and z axis, in angstrom.
+/// The step along the world's x, y and z axis, in angstrom.
 std::array<double, 3> steps_of(const HeaderFields& header, VolumeSource& source) {
   const std::array intervals = triple(header, kMx);
   const std::array lengths = real_triple(header, kCellA);
@@ -155,8 +155,8 @@ std::array<double, 3> steps_of(const HeaderFields& header, VolumeSource& source)
   return steps;
 }
 
-/// Position of the first sample: ORIGIN where it is not zero, else NXSTART, NYSTART and NZSTART
-/// steps along the axes.
+/// The position of the first sample: ORIGIN if it is not zero, otherwise NXSTART, NYSTART and
+/// NZSTART steps along the axes.
 Vec3 origin_of(const HeaderFields& header, const std::array<std::size_t, 3>& world_axis,
                const std::array<Vec3, 3>& axes, const std::array<double, 3>& steps,
                VolumeSource& source) {
@@ -178,8 +178,8 @@ Vec3 origin_of(const HeaderFields& header, const std::array<std::size_t, 3>& wor
   return origin;
 }
 
-// The samples stay in the order of the file; the grid's axes say which way columns, rows and
-// sections run.
+// The samples stay in the order of the file; the grid's axes hold the directions of columns, rows
+// and sections.
 Grid mrc_grid(const fs::path& path, const HeaderFields& header,
               const std::array<std::size_t, 3>& size, VolumeSource& source) {
   const std::array world = cell_axes(header, source);
@@ -200,7 +200,7 @@ Grid mrc_grid(const fs::path& path, const HeaderFields& header,
   return grid;
 }
 
-/// How many volumes lie one after the other. Space groups from 401 on mark a stack of volumes of MZ
+/// The number of volumes stored in sequence. Space groups from 401 on mark a stack of volumes of MZ
 /// sections each.
 std::size_t volume_count(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   constexpr int kFirstStackGroup = 401, kLastStackGroup = 630;
@@ -208,8 +208,8 @@ std::size_t volume_count(const HeaderFields& header, const fs::path& path, Volum
             volume_sections = header.int32(kMx + 8);
   if (group == 0 && volume_sections == 1 && sections > 1) {
     source.warnings.push_back(
-        "says that it is a stack of images, not a volume (space group 0, MZ 1); its images are "
-        "taken for layers");
+        "states that it is a stack of images, not a volume (space group 0, MZ 1); its images are "
+        "read as slices");
   }
   if (group < kFirstStackGroup || group > kLastStackGroup) return 1;
   if (volume_sections < 1 || sections % volume_sections != 0) {
@@ -229,8 +229,8 @@ VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
   const HeaderFields header(bytes, swap);
   if (!is_plausible(header)) {
     throw bad_file(path,
-                   "is not an MRC file, or its header is damaged: sizes, mode and axes make no "
-                   "sense in either byte order");
+                   "is not an MRC file, or its header is damaged: sizes, mode and axes are not "
+                   "valid in either byte order");
   }
   const int extended_bytes = header.int32(kExtendedBytes);
   if (extended_bytes < 0)

@@ -27,8 +27,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file name without its packing and its extension, and both in lower case: "Scan", ".img",
-/// ".gz".
+/// A file name split into stem, extension and compression, the last two in lower case: "Scan",
+/// ".img", ".gz".
 struct NameParts {
   std::string stem, extension, packing;
 };
@@ -46,8 +46,8 @@ NameParts parts_of(const fs::path& path) {
   return parts;
 }
 
-/// The other half of a pair: the same name with another extension, in any case, packed or not.
-/// Unpacked is preferred.
+/// The other file of a pair: the same name with another extension, in upper or lower case,
+/// compressed or not. An uncompressed file is preferred.
 std::optional<fs::path> sibling(const fs::path& path, std::string_view extension) {
   const std::string stem = parts_of(path).stem;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -66,7 +66,8 @@ std::optional<fs::path> sibling(const fs::path& path, std::string_view extension
 
 fs::path required_sibling(const fs::path& path, std::string_view extension) {
   if (const auto found = sibling(path, extension)) return *found;
-  throw bad_file(path, "there is no " + std::string(extension) + " file beside it");
+  throw bad_file(path, "has no " + std::string(extension) +
+                           " file next to it, expected a pair of .hdr and .img");
 }
 
 SampleType nifti_sample_type(int datatype, const fs::path& file) {
@@ -114,7 +115,8 @@ std::string format_name(const NiftiHeader& header) {
   return kNames[static_cast<std::size_t>(header.version)];
 }
 
-// Offset 0 means right after the header and the mark that says whether an extension follows.
+// The samples' offset. 0 means directly after the header and the four bytes that state whether an
+// extension follows.
 std::uint64_t samples_offset(const NiftiHeader& header, const fs::path& header_file, bool is_pair) {
   const double offset = header.vox_offset;
   constexpr double kLargest = 1e15;
@@ -126,7 +128,7 @@ std::uint64_t samples_offset(const NiftiHeader& header, const fs::path& header_f
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", offset);
   throw bad_file(header_file, "its samples begin at byte " + std::string(text) +
-                                  " by vox_offset, expected a place after the header");
+                                  " by vox_offset, expected an offset after the header");
 }
 
 std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {
@@ -142,8 +144,8 @@ std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {
   return static_cast<std::uint64_t>(header.dim[4] * header.dim[5]);
 }
 
-/// Picks a time point and, of several values per sample, one. @return the number of the volume in
-/// the file
+/// Selects a time point and, if a sample has several values, one of them. @return the index of the
+/// volume in the file
 std::uint64_t chosen_volume(const fs::path& path, const NiftiHeader& header,
                             const ReadOptions& options, VolumeSource& source) {
   const auto times = static_cast<std::size_t>(header.dim[4]),
@@ -168,7 +170,7 @@ std::string nifti_number(double value) {
   return text;
 }
 
-// A slope of 0 or NaN: the samples are not scaled, whatever the intercept.
+// A slope of 0 or NaN means that the samples are not scaled, for any intercept.
 Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
   const double slope = header.scl_slope;
   double intercept = header.scl_inter;
@@ -197,7 +199,8 @@ Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
   return rescale;
 }
 
-// Scaled samples are computed in double precision and kept as float, or as double if they were.
+// Scaled samples are computed in double precision and stored as float, or as double if they were
+// stored as double.
 void read_scaled_samples(ByteSource& stream, const fs::path& file, bool swap, SampleType stored,
                          const Rescale& rescale, std::uint64_t count, std::byte* samples) {
   visit_sample_type(stored, [&](const auto* type) {
@@ -226,7 +229,7 @@ fs::path header_half(const fs::path& path) {
 fs::path image_half(const fs::path& path, const fs::path& header_file, const NiftiHeader& header) {
   if (header_file != path) return path;
   if (!header.is_one_file) return required_sibling(path, ".img");
-  // Some programs write pairs that claim to be one file.
+  // Some programs write pairs that state that they are one file.
   return parts_of(path).extension == ".hdr" ? sibling(path, ".img").value_or(path) : path;
 }
 

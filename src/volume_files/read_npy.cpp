@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// NumPy's .npy with a three-dimensional array: a[z][y][x], as everywhere in isoatlas' Python
-// module.
+// NumPy's .npy with a three-dimensional array a[z][y][x], the order of isoatlas' Python module.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -35,7 +34,7 @@ struct NpyHeader {
   std::size_t samples_offset = 0;
 };
 
-/// Reads the literal of a Python dictionary that the header is. Nothing in it is ever run.
+/// Reads the header, which is the literal of a Python dictionary. Never executes it.
 class LiteralReader {
  public:
   LiteralReader(std::string_view text, const fs::path& path) : text_(text), path_(path) {}
@@ -148,7 +147,7 @@ NpyHeader read_header(const fs::path& path) {
   const std::size_t length =
       version == 1 ? fields.at<std::uint16_t>(8) : fields.at<std::uint32_t>(8);
   if (length > bytes.size() - start) {
-    throw bad_file(path, "its header is cut off: it promises " + std::to_string(length) +
+    throw bad_file(path, "its header is cut off: it states " + std::to_string(length) +
                              " bytes and has " + std::to_string(bytes.size() - start));
   }
   NpyHeader header;
@@ -160,7 +159,7 @@ NpyHeader read_header(const fs::path& path) {
 struct NpyType {
   SampleType type = SampleType::uint8;
   std::size_t bytes = 1;
-  bool is_half = false;  ///< 16-bit floats: read as float32
+  bool is_half = false;  ///< 16-bit floats, which are read as float32
 };
 
 NpyType npy_type(const std::string& descr, const fs::path& path) {
@@ -182,7 +181,7 @@ NpyType npy_type(const std::string& descr, const fs::path& path) {
     if (known.code == code) return known.stored;
   }
   std::string kind = "an unknown type";
-  if (code.starts_with('O')) kind = "Python objects, which are never unpacked";
+  if (code.starts_with('O')) kind = "Python objects, which are never unpickled";
   if (code.starts_with('c')) kind = "complex numbers";
   if (code.starts_with('f')) kind = "extended floating-point numbers";
   if (code.starts_with('S') || code.starts_with('U') || code.starts_with('a')) kind = "text";
@@ -199,23 +198,23 @@ std::string text_of(const std::vector<std::uint64_t>& shape) {
   return "(" + text + (shape.size() == 1 ? "," : shape.size() > 8 ? ", ..." : "") + ")";
 }
 
-/// Sizes along x, y and z: the last three axes of the array, backwards. Axes of size 1 are left out
-/// where there are more than three.
+/// The sizes along x, y and z: the last three axes of the array, in reverse order. If there are
+/// more than three axes, those of size 1 are dropped.
 std::array<std::size_t, 3> size_of(const std::vector<std::uint64_t>& shape, const fs::path& path) {
   std::vector<std::uint64_t> axes = shape;
   if (axes.size() > 3) std::erase(axes, 1U);
   if (axes.size() != 3) {
     throw unsupported(
         path, "holds an array of shape " + text_of(shape) + ", expected three axes (z, y, x)" +
-                  (axes.size() > 3 ? "; save one volume of it to a file of its own" : ""));
+                  (axes.size() > 3 ? "; save one of its volumes to its own file" : ""));
   }
   return {axes[2], axes[1], axes[0]};
 }
 
 using Size = std::array<std::size_t, 3>;
 
-/// `from` has z fastest and `count` indices of x, `to` has all of the volume with x fastest and
-/// begins at the first of these. Goes in blocks that fit into the cache.
+/// Transposes samples in blocks that fit into the cache. In `from`, z is fastest and x has `count`
+/// indices; `to` is the whole volume, x fastest, from the first of these x on.
 template <class Stored, class Sample, class Convert>
 void reverse_axes(const Stored* from, std::size_t count, Sample* to, const Size& size,
                   Convert convert) {
@@ -234,8 +233,8 @@ void reverse_axes(const Stored* from, std::size_t count, Sample* to, const Size&
   }
 }
 
-/// Reads samples of Fortran order, in which the first axis, z, is fastest. Some planes of equal x
-/// are in memory twice, never all of them.
+/// Reads samples in Fortran order, in which the first axis, z, is fastest. Only some planes of
+/// equal x are in memory twice.
 template <class Stored, class Sample, class Convert>
 void read_reversed(ByteSource& stream, const StoredVolumes& stored, bool swap, Sample* samples,
                    const Size& size, Convert convert) {
@@ -269,7 +268,7 @@ void read_fortran_samples(const StoredVolumes& stored, bool is_half, bool swap, 
                             std::identity());
     });
   });
-  file.source.decisions.push_back({"order", "Fortran, turned into (z, y, x)"});
+  file.source.decisions.push_back({"order", "Fortran, transposed to (z, y, x)"});
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ bool is_domain(const NrrdAxis& axis) {
   return axis.kind.empty() || axis.kind == "domain" || axis.kind == "space";
 }
 
-// What an axis of the kind domain, or of none, is: one that has no direction where others have is
-// not in space, and one without a spacing among some with is none of the three either, if there are
-// more than three.
+// The role of an axis whose kind is domain or missing. If other axes have a direction, an axis
+// without one is not in space. If there are more than three axes and some have a spacing, an axis
+// without one is not in space either.
 AxisRole role_of_domain(const NrrdAxis& axis, const std::vector<NrrdAxis>& axes) {
   const auto has_direction = [](const NrrdAxis& other) { return !other.direction.empty(); };
   const auto has_spacing = [](const NrrdAxis& other) { return !std::isnan(other.spacing); };
@@ -61,7 +61,7 @@ std::vector<AxisRole> roles_of(const std::vector<NrrdAxis>& axes) {
   for (const NrrdAxis& axis : axes) {
     roles.push_back(role_of(axis, axes));
   }
-  // Axes of one sample that are too many: 24 x 20 x 16 x 1 is a volume.
+  // Drops surplus axes of one sample: 24 x 20 x 16 x 1 is a volume.
   for (std::size_t i = axes.size(); i-- > 0 && std::ranges::count(roles, AxisRole::space) > 3;) {
     if (roles[i] == AxisRole::space && axes[i].size == 1) {
       roles[i] = AxisRole::nothing;
@@ -78,8 +78,7 @@ std::string shape_of(const std::vector<NrrdAxis>& axes) {
   return shape;
 }
 
-/// The three axes of the volume. One sample where there are fewer; checked_sample_bytes() refuses
-/// that.
+/// The three axes of the volume. Missing axes get one sample, which checked_sample_bytes() refuses.
 std::array<NrrdAxis, 3> space_axes(const fs::path& path, const std::vector<NrrdAxis>& axes,
                                    const std::vector<AxisRole>& roles) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -94,14 +93,14 @@ std::array<NrrdAxis, 3> space_axes(const fs::path& path, const std::vector<NrrdA
       throw unsupported(
           path,
           "has " + std::to_string(axes.size()) + " dimensions (" + shape_of(axes) +
-              ") and does not say which of them are not space, expected 3, or kinds of the axes");
+              ") without stating which of them are not space, expected 3, or the field 'kinds'");
     }
     found[count++] = axes[i];
   }
   return found;
 }
 
-/// What the values of one sample are called; numbers where the kind does not say.
+/// The names of the values of a sample; numbers if the kind does not name them.
 FileChoice named_channels(const fs::path& path, const NrrdAxis& axis) {
   static const std::map<std::string_view, std::vector<std::string>> kNames{
       {"rgb-color", {"red", "green", "blue"}},
@@ -125,7 +124,8 @@ struct Segment {
   std::int64_t label = 1;
 };
 
-/// The segments that 3D Slicer names in a segmentation. Its older files have one layer for each.
+/// The segments that 3D Slicer names in a segmentation. Its older files have one layer for each
+/// segment.
 std::vector<Segment> segments_of(const NrrdHeader& header) {
   std::vector<Segment> segments;
   const auto value_of = [&](const std::string& key) {
@@ -143,7 +143,7 @@ std::vector<Segment> segments_of(const NrrdHeader& header) {
   return segments;
 }
 
-/// A layer is called as its segments are, "liver, spleen".
+/// The name of a layer: the names of its segments, e.g. "liver, spleen".
 FileChoice named_layers(const fs::path& path, const std::vector<Segment>& segments,
                         std::size_t count) {
   FileChoice choice = checked_choice(path, "layer", count);
@@ -159,7 +159,7 @@ FileChoice named_layers(const fs::path& path, const std::vector<Segment>& segmen
   return choice;
 }
 
-/// Which values of the samples are which segment: several may share a layer.
+/// Adds the segments and their sample values to the decisions; several segments may share a layer.
 void note_segments(const NrrdHeader& header, std::size_t layer, VolumeSource& source) {
   std::string labels;
   for (const Segment& segment : segments_of(header)) {
@@ -172,7 +172,8 @@ void note_segments(const NrrdHeader& header, std::size_t layer, VolumeSource& so
   }
 }
 
-/// Takes an entry of each list. @returns the index along each axis that is none of the volume's
+/// Selects an entry of each list. @returns the index along each axis that is not an axis of the
+/// volume
 std::vector<StoredAxis> select(const fs::path& path, const NrrdHeader& header,
                                const std::vector<NrrdAxis>& axes,
                                const std::vector<AxisRole>& roles, const ReadOptions& options,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headerless samples: the caller says what they are, the file's size must agree. The file may be
-// gzipped or bzipped as a whole.
+// Headerless samples: the caller states their layout, which must agree with the file's size. The
+// whole file may be compressed by gzip or bzip2.
 #include <bit>
 #include <cmath>
 #include <string>
@@ -22,14 +22,14 @@ namespace {
   throw bad_file(
       path,
       std::string(is_packed && found > layout.offset + 2 * expected ? "has more than " : "has ") +
-          std::to_string(found) + " bytes" + (is_packed ? " when unpacked" : "") + ", but " +
+          std::to_string(found) + " bytes" + (is_packed ? " when decompressed" : "") + ", but " +
           (layout.offset > 0 ? "after an offset of " + std::to_string(layout.offset) + " " : "") +
           std::to_string(layout.size[0]) + " x " + std::to_string(layout.size[1]) + " x " +
           std::to_string(layout.size[2]) + " samples of " + std::string(name(layout.type)) +
           " are " + std::to_string(expected) + " bytes");
 }
 
-// A file of exactly the right size is what it is said to be, whatever its first bytes.
+// A file of exactly the expected size is not compressed, even if its first bytes look like it.
 Packing packing_of_samples(const fs::path& path, const RawLayout& layout, std::uint64_t bytes) {
   const std::uint64_t file_bytes = readable_file_size(path);
   const bool is_plain = layout.offset <= file_bytes && file_bytes - layout.offset == bytes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A TIFF file as a volume: what its description says of the pages, the choice of a channel and a
-// time, and the samples.
+// Reads a TIFF file as a volume: the stack that its description states, the choice of a channel and
+// a time, and the samples.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -34,9 +34,9 @@ constexpr std::uint32_t kMetaMorphStackTag =
 TiffStack describe(TiffFile& tiff, const ReadOptions& options, VolumeSource& source) {
   tiff.select(0);
   if (tiff.page_count() == 1 && tiff.has_tag(kMetaMorphStackTag)) {
-    throw unsupported(
-        tiff.path(),
-        "is a MetaMorph stack (STK), which keeps all planes in one page; Fiji can save it as TIFF");
+    throw unsupported(tiff.path(),
+                      "is a MetaMorph stack (STK), which stores all planes in one page; Fiji can "
+                      "save it as TIFF");
   }
   if (auto stack = describe_ome(tiff, options, source)) return std::move(*stack);
   if (auto stack = describe_imagej(tiff, source)) return std::move(*stack);
@@ -45,13 +45,14 @@ TiffStack describe(TiffFile& tiff, const ReadOptions& options, VolumeSource& sou
   return describe_pages(tiff, options, source);
 }
 
-// tifffile and Fiji label slices as channels or times unless they are told better. ImageJ shows at
-// most seven channels together, so more without slices are slices; up to seven are a 2-D image.
+// tifffile and Fiji label slices as channels or times unless the axes are given. ImageJ displays at
+// most seven channels together, so more channels without slices are slices; up to seven are a 2-D
+// image.
 void take_only_axis_as_slices(TiffStack& stack, VolumeSource& source) {
   constexpr std::size_t kMostChannels = 7;
   const auto use = [&](std::size_t& axis, const std::string& label, auto page_of) {
     source.warnings.push_back("its " + std::to_string(axis) + " pages are labelled as " + label +
-                              " of one slice each, they are read as slices");
+                              " of one slice each; they are read as slices");
     std::swap(axis, stack.slices);
     stack.page_of = page_of;
   };
@@ -85,7 +86,7 @@ void require_slices(const TiffStack& stack, const PageFormat& page, const fs::pa
   }
 }
 
-/// One of the channels and times, as pages and the value of their samples.
+/// The selected channel and time, as pages and the index of the value in each sample.
 struct Selection {
   std::size_t page_channel = 0, value = 0, time = 0;
 };
@@ -114,44 +115,43 @@ Selection select(const TiffStack& stack, const PageFormat& page,
 
 void describe_values(const PageFormat& page, const TiffFile& tiff, VolumeSource& source) {
   if (page.photometric == PHOTOMETRIC_MINISWHITE) {
-    source.decisions.push_back({"photometric", "white is zero, samples kept as stored"});
+    source.decisions.push_back({"photometric", "white is zero; samples are kept as stored"});
   } else if (page.photometric == PHOTOMETRIC_PALETTE) {
-    source.decisions.push_back({"photometric", "palette, samples are its indices"});
+    source.decisions.push_back({"photometric", "palette; samples are its indices"});
   }
   if (tiff.orientation() != ORIENTATION_TOPLEFT) {
     source.warnings.push_back("states an orientation (" + std::to_string(tiff.orientation()) +
-                              ") other than top left, rows and columns are kept as stored");
+                              ") other than top left; rows and columns are kept as stored");
   }
   if (page.bits % 8 != 0) {
     source.decisions.push_back({"bits", std::to_string(page.bits) + " per sample, unpacked"});
   }
 }
 
-std::uint64_t promised_bytes(const PageFormat& page, std::uint64_t pages) {
+std::uint64_t stated_bytes(const PageFormat& page, std::uint64_t pages) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 62;
   return page.stored_bytes() > kMost / pages ? kMost : page.stored_bytes() * pages;
 }
 
-// LZW shrinks constant data 5000 times at best; zstandard and fax codes shrink it more, but keep
-// some bytes for a page.
+// LZW shrinks constant data by at most 5000. Zstandard and fax compression shrink it more, but need
+// some bytes per page.
 void require_possible_pages(const TiffFile& tiff, const PageFormat& page, std::size_t pages) {
   constexpr std::uint64_t kMostPerByte = 5000, kSmallestPage = 20;
   const bool is_packed_better =
       tiff.packs_without_bound() && tiff.file_size() / kSmallestPage >= pages;
   if (!is_packed_better) {
-    require_possible_bytes(tiff.path(), promised_bytes(page, pages), tiff.file_size(),
-                           kMostPerByte);
+    require_possible_bytes(tiff.path(), stated_bytes(page, pages), tiff.file_size(), kMostPerByte);
   }
 }
 
-// Before anything is made for each of them: a description may promise any number.
+// Called before anything is allocated per page: a description may state any number of pages.
 void require_images_behind_page(const TiffFile& tiff, const TiffStack& stack,
                                 const PageFormat& page) {
   if (stack.is_contiguous) {
     const std::uint64_t start = tiff.offset_of_plain_samples();
     const std::uint64_t pages =
         stack.channels * stack.slices * stack.times;  // each at most a million
-    require_stored_bytes(tiff.path(), promised_bytes(page, pages),
+    require_stored_bytes(tiff.path(), stated_bytes(page, pages),
                          tiff.file_size() - std::min(start, tiff.file_size()));
   }
 }
@@ -227,11 +227,11 @@ Volume read_slices(TiffFile& tiff, const TiffStack& stack, const PageFormat& pag
       stack.rescale ? static_cast<std::size_t>(size[0] * size[1] * bytes_per_sample(page.type()))
                     : 0);
   for (std::size_t slice = 0; slice < stack.slices; ++slice) {
-    std::byte* const place = samples.get() + slice * slice_bytes;
-    reader.read(selection, slice, stack.rescale ? stored.data() : place);
+    std::byte* const slice_samples = samples.get() + slice * slice_bytes;
+    reader.read(selection, slice, stack.rescale ? stored.data() : slice_samples);
     if (stack.rescale) {
       rescale_samples(page.type(), stored.data(), size[0] * size[1], stack.rescale->slope,
-                      stack.rescale->intercept, place);
+                      stack.rescale->intercept, slice_samples);
     }
   }
   volume.view.samples = samples.get();

@@ -38,7 +38,7 @@ void require_valid(const ReadOptions& options, const fs::path& path) {
   }
 }
 
-// An option that no reader has looked at: the file has no such list.
+// Refuses an option that no reader has used, because the file has no such list.
 void require_used(const ReadOptions& options, const VolumeFile& file, const fs::path& path) {
   const auto check = [&](const std::string& name, bool is_given) {
     const bool is_used = std::ranges::any_of(
@@ -54,7 +54,7 @@ void require_used(const ReadOptions& options, const VolumeFile& file, const fs::
     }
   };
   check("channel",
-        !options.channel.empty() && options.channel != "0");  // the first of one needs no list
+        !options.channel.empty() && options.channel != "0");  // entry 0 exists without a list
   check("time", options.time.value_or(0) > 0);
   check("layer", !options.layer.empty() && options.layer != "0");
   check("array", !options.array.empty());
@@ -85,7 +85,7 @@ void apply_spacing(const ReadOptions& options, VolumeFile& file) {
                   (steps.z * (grid.spacing.z - scale * before.z)) * grid.direction[2];
     source.decisions.push_back({"spacing", "given, in place of the file's"});
   } else if (!source.has_spacing) {
-    source.warnings.push_back("states no voxel size, 1 x 1 x 1 is assumed");
+    source.warnings.push_back("states no voxel size; 1 x 1 x 1 is assumed");
   }
 }
 
@@ -121,12 +121,12 @@ VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
     return io::is_image_stack(path) ? io::read_image_stack(path, options)
                                     : io::read_dicom(path, options);
   }
-  io::readable_file_size(
-      path);  // missing, empty, not readable: said before anything about the format
+  io::readable_file_size(path);  // reports a missing, empty or unreadable file first
   return io::format_of(path).read(path, options);
 }
 
-// Standard input is a file with a name that tells nobody anything: messages get the one that does.
+// Standard input is read from a temporary file, whose name means nothing to the user: messages name
+// standard input.
 [[noreturn]] void rethrow_named(const Error& error, const fs::path& path) {
   std::string message = error.what();
   if (message.find(path.parent_path().string() + "/", message.find(path.string()) + 1) !=

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK XML images and rectilinear grids with equal steps. VTK's own reader returns what was in
-// memory where base64 text or an LZ4 block ends early, and allocates what a header promises, so the
-// values are decoded here, each of them or none.
+// VTK XML images and rectilinear grids with equal steps. VTK's own reader returns uninitialised
+// memory if base64 text or an LZ4 block ends early, and allocates what a header states. So the
+// values are decoded here, and either all or none are returned.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Step of a series of times; none: the file has no series.
+// A step of a time series; empty if the file has no series.
 using TimeStep = std::optional<std::size_t>;
 
 // An array without TimeStep is the same at all times.
@@ -64,8 +64,8 @@ VtkArray description_of(const VtkXmlHeader& header, const XmlElement& array, Vtk
   return description;
 }
 
-// The arrays of numbers, of points and then of cells, as the file's header or its first piece lists
-// them.
+// The arrays of numbers, first of points and then of cells, as the file's header or its first piece
+// lists them.
 std::vector<VtkArray> arrays_of(const VtkXmlGrid& grid, TimeStep step) {
   const std::string prefix = grid.is_parallel ? "P" : "";
   const XmlElement* const list = grid.is_parallel      ? grid.element
@@ -193,7 +193,8 @@ class SampleReader {
     return open_xml_values(*piece.header, *element, array_.type, samples * array_.components);
   }
 
-  // Which samples of a piece are copies of another piece's; empty: none. Hidden ones are warned of.
+  // Marks the samples of a piece that are copies of another piece's samples; empty if there are
+  // none. Warns of hidden samples.
   std::vector<bool> copies_of(const VtkXmlPiece& piece, VolumeSource& source) const {
     const XmlElement* element = find_array(piece, "vtkGhostType", array_.is_cell_data, step_);
     const bool is_level = element == nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The readers behind read_volume_file(), which picks one by the file's content.
+// The readers of read_volume_file(), which selects one by the file's content.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,11 @@ namespace isoatlas::detail::io {
 
 // Each reads one file that exists, can be read and is not empty. It
 // - fills `source.format`, `source.reader`, `source.decisions` and `source.warnings`, and sets
-// `source.has_spacing`;
-// - takes its entry of every list in the file with take_choice();
-// - sets `volume.grid.unit` where the file states one;
-// - allocates samples with allocate_samples() only after it has checked that the file can hold
-// them;
-// - ignores `options.spacing`: read_volume_file() applies it.
+//   `source.has_spacing`;
+// - selects an entry of every list in the file by take_choice();
+// - sets `volume.grid.unit` if the file states one;
+// - allocates samples with allocate_samples() only after checking that the file can hold them;
+// - ignores `options.spacing`, which read_volume_file() applies.
 VolumeFile read_nrrd(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_nifti(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_mgh(const std::filesystem::path& path, const ReadOptions& options);

@@ -7,11 +7,12 @@
 
 namespace isoatlas::detail::io {
 
-/// The type of slope * stored value + intercept: the smallest integer type that holds them all if
-/// both are whole numbers, else float32. Stored values are integers of 8 or 16 bits.
+/// The type of slope * stored value + intercept: the smallest integer type for all possible values
+/// if slope and intercept are integers, otherwise float32. Stored values are integers of 8 or 16
+/// bits.
 SampleType rescaled_type(SampleType stored, double slope, double intercept);
 
-/// Rescales `count` samples from `from` to `to`, which is of rescaled_type().
+/// Rescales `count` samples from `from` to `to`, which has the type rescaled_type().
 void rescale_samples(SampleType stored, const std::byte* from, std::size_t count, double slope,
                      double intercept, std::byte* to);
 

@@ -18,11 +18,11 @@ namespace {
 
 bool is_digit_of_name(char c) { return c >= '0' && c <= '9'; }
 
-/// A file's name taken apart: "slice_07b.tif" has the text "slice_#b.tif" and the number 7.
+/// A file's name, split: "slice_07b.tif" has the text "slice_#b.tif" and the number 7.
 struct SliceName {
   fs::path path;
   std::string text;
-  std::vector<std::string> numbers;  // without zeros in front
+  std::vector<std::string> numbers;  // without leading zeros
 };
 
 SliceName parse(const fs::path& path) {
@@ -66,23 +66,23 @@ void require_alike(const fs::path& folder, const std::vector<SliceName>& names) 
 
 std::vector<std::size_t> varying_numbers(const std::vector<SliceName>& names) {
   std::vector<std::size_t> varying;
-  for (std::size_t place = 0; place < names.front().numbers.size(); ++place) {
+  for (std::size_t index = 0; index < names.front().numbers.size(); ++index) {
     if (std::ranges::any_of(names, [&](const SliceName& name) {
-          return name.numbers[place] != names.front().numbers[place];
+          return name.numbers[index] != names.front().numbers[index];
         })) {
-      varying.push_back(place);
+      varying.push_back(index);
     }
   }
   return varying;
 }
 
-// A date and a counter rise together; a number that comes again beside another one counts channels
-// or times.
+// A date and a counter increase together. If a number repeats while another one varies, it counts
+// channels or times.
 void require_rising(const fs::path& folder, const std::vector<SliceName>& names,
                     const std::vector<std::size_t>& varying) {
   for (std::size_t i = 1; i < names.size(); ++i) {
-    for (const std::size_t place : varying) {
-      if (is_below(names[i - 1].numbers[place], names[i].numbers[place])) continue;
+    for (const std::size_t index : varying) {
+      if (is_below(names[i - 1].numbers[index], names[i].numbers[index])) continue;
       if (varying.size() == 1) {
         throw bad_file(folder, "its images " + quoted(names[i - 1].path) + " and " +
                                    quoted(names[i].path) + " have the same number");
@@ -95,7 +95,8 @@ void require_rising(const fs::path& folder, const std::vector<SliceName>& names,
   }
 }
 
-// Numbers may have more digits than an integer holds, so digits that both begin with are left out.
+// The difference of two numbers. They may have more digits than an integer holds, so their common
+// leading digits are dropped.
 std::optional<std::uint64_t> difference(std::string_view from, std::string_view to) {
   const std::size_t same =
       static_cast<std::size_t>(std::ranges::mismatch(from, to).in1 - from.begin());
@@ -111,17 +112,17 @@ std::optional<std::uint64_t> difference(std::string_view from, std::string_view 
 }
 
 void require_even_steps(const fs::path& folder, const std::vector<SliceName>& names,
-                        std::size_t place) {
+                        std::size_t index) {
   std::optional<std::uint64_t> step;
   for (std::size_t i = 1; i < names.size(); ++i) {
-    const auto found = difference(names[i - 1].numbers[place], names[i].numbers[place]);
+    const auto found = difference(names[i - 1].numbers[index], names[i].numbers[index]);
     if (found && (!step || *found < *step)) step = found;
   }
   for (std::size_t i = 1; i < names.size(); ++i) {
-    const auto found = difference(names[i - 1].numbers[place], names[i].numbers[place]);
+    const auto found = difference(names[i - 1].numbers[index], names[i].numbers[index]);
     if (found && found != step) {
       throw bad_file(folder, "slices are missing between " + quoted(names[i - 1].path) + " and " +
-                                 quoted(names[i].path) + ": elsewhere numbers are " +
+                                 quoted(names[i].path) + ": elsewhere the numbers are " +
                                  std::to_string(*step) + " apart");
     }
   }
@@ -134,7 +135,8 @@ std::vector<fs::path> in_slice_order(const fs::path& folder, std::vector<fs::pat
   for (const fs::path& file : files) {
     names.push_back(parse(file));
   }
-  std::ranges::sort(names, {}, &SliceName::path);  // the same messages for any order of the folder
+  std::ranges::sort(names, {},
+                    &SliceName::path);  // messages must not depend on the order of the folder
   require_alike(folder, names);
   const std::vector<std::size_t> varying = varying_numbers(names);
   std::ranges::stable_sort(names, [&](const SliceName& a, const SliceName& b) {

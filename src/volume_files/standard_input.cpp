@@ -18,7 +18,7 @@ namespace {
   throw bad_file(kStandardInputName, std::string(what) + ": " + system_text(error));
 }
 
-// Unlinked at once: whatever happens to this process, nothing is left.
+// Unlinks the file at once, so that nothing is left however this process ends.
 int open_unnamed_file() {
   std::error_code error;
   std::filesystem::path folder = std::filesystem::temp_directory_path(error);
@@ -33,7 +33,7 @@ void write_all(int descriptor, const char* from, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t count = write(descriptor, from, bytes);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("cannot be kept in a temporary file", errno);
+    if (count < 0) fail("cannot be stored in a temporary file", errno);
     from += count;
     bytes -= static_cast<std::size_t>(count);
   }
@@ -46,7 +46,7 @@ StandardInput::StandardInput() {
     throw bad_file(kStandardInputName, "is a terminal, expected a volume from a pipe or a file");
   }
   descriptor_ = open_unnamed_file();
-  if (descriptor_ < 0) fail("cannot be kept in a temporary file", errno);
+  if (descriptor_ < 0) fail("cannot be stored in a temporary file", errno);
   std::vector<char> buffer(std::size_t{1} << 20);
   std::uint64_t total = 0;
   try {

@@ -5,12 +5,12 @@
 
 namespace isoatlas::detail::io {
 
-/// Standard input as a file: readers need to go back and forth. The file has no name that others
-/// see before it is gone.
+/// Copies standard input to a file, because readers need random access. The file is unlinked at
+/// once, so it never outlives the process.
 class StandardInput {
  public:
   /// Reads standard input to its end. @throws Error(bad_file) if it is empty or cannot be read or
-  /// kept
+  /// stored
   StandardInput();
   ~StandardInput();
   StandardInput(const StandardInput&) = delete;
@@ -23,7 +23,7 @@ class StandardInput {
   std::filesystem::path path_;
 };
 
-/// What messages call it.
+/// The name of standard input in messages.
 inline constexpr const char* kStandardInputName = "standard input";
 
 }  // namespace isoatlas::detail::io

@@ -62,13 +62,13 @@ class PieceSequence {
     advance(samples, [&](std::uint64_t count) { reader_->skip(count); });
   }
 
-  /// One line about bytes after the samples; empty if there are none.
+  /// A sentence about bytes after the samples; empty if there are none.
   std::string rest() const {
     if (rest_bytes_ == 0) {
       return "";
     }
     const std::string more =
-        std::to_string(rest_bytes_) + " bytes after the last sample that the header promises";
+        std::to_string(rest_bytes_) + " bytes after the last sample that the header states";
     if (first_with_rest_ == header_file_) {
       return "has " + more;
     }
@@ -114,19 +114,19 @@ class PieceSequence {
   const StoredSamples& stored_;
   std::uint64_t piece_samples_;
   std::size_t piece_ = 0;
-  std::uint64_t position_ = 0;  // samples of the piece
+  std::uint64_t position_ = 0;  // samples read from the current piece
   std::unique_ptr<PieceReader> reader_;
   fs::path first_with_rest_;
   std::uint64_t rest_bytes_ = 0;
   std::size_t files_with_rest_ = 0;
 };
 
-/// Takes what is selected out of a run of samples.
+/// Extracts the selected samples from a run of samples.
 class SampleGatherer {
  public:
   SampleGatherer(PieceSequence& from, std::byte* to) : from_(from), to_(to) {}
 
-  /// Reads what the fastest axes hold, once.
+  /// Reads one run along the fastest axes.
   void read(std::span<const StoredAxis> axes) {
     if (!has_selection(axes)) {
       const std::uint64_t count = count_of(axes);
@@ -152,7 +152,8 @@ class SampleGatherer {
  private:
   static constexpr std::uint64_t kBufferBytes = std::uint64_t{1} << 16;
 
-  // Values of one sample side by side: reading them one by one would take many times as long.
+  // A run along several values of one sample is read as a whole: reading single values takes many
+  // times as long.
   bool is_small(std::span<const StoredAxis> axes) const {
     return axes.back().selected && !has_selection(axes.first(axes.size() - 1)) &&
            count_of(axes) * from_.sample_bytes() <= kBufferBytes;
@@ -203,7 +204,7 @@ std::uint64_t checked_sample_count(const fs::path& path, const std::vector<Store
     if (axis.size == 0 || count > most / axis.size) {
       throw bad_file(path, axis.size == 0
                                ? "the size of an axis is 0, expected at least 1"
-                               : "the header promises more samples than any file can hold");
+                               : "the header states more samples than any file can hold");
     }
     count *= axis.size;
   }

@@ -14,19 +14,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Bytes after the samples are counted up to here only: a warning needs no more.
+// The number of bytes after the samples that are counted at most: a warning needs no more.
 constexpr std::uint64_t kMostCounted = std::uint64_t{1} << 20;
 
-// They are listed for a choice.
+// The largest number of volumes, which are listed for a choice.
 constexpr std::uint64_t kMostVolumes = 1'000'000;
 
-// Of bzip2, for a file of zeros.
+// The largest compression ratio of bzip2, for a file of zeros.
 constexpr std::uint64_t kMostPerBzip2Byte = 2'000'000;
 
 std::uint64_t all_bytes(const StoredVolumes& stored) {
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   if (stored.offset > kMost / 2 || stored.count > kMost / 2 / stored.volume_bytes) {
-    throw bad_file(stored.file, "the header promises " + std::to_string(stored.count) +
+    throw bad_file(stored.file, "the header states " + std::to_string(stored.count) +
                                     " volumes of " + std::to_string(stored.volume_bytes) +
                                     " bytes, more than any file can hold");
   }
@@ -36,7 +36,7 @@ std::uint64_t all_bytes(const StoredVolumes& stored) {
 void warn_of_more(VolumeSource& source, std::uint64_t bytes, bool is_counted_to_the_end) {
   source.warnings.push_back("has " + std::to_string(bytes) +
                             (is_counted_to_the_end ? "" : " or more") +
-                            " bytes after the samples that its header promises; they are ignored");
+                            " bytes after the samples that its header states; they are ignored");
 }
 
 ByteSource stream_at(const fs::path& file, Packing packing, std::uint64_t position) {
@@ -64,15 +64,15 @@ void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source) {
                                        " volumes, expected at most " +
                                        std::to_string(kMostVolumes));
   }
-  const std::uint64_t promised = all_bytes(stored);
+  const std::uint64_t stated = all_bytes(stored);
   const std::uint64_t file_bytes = readable_file_size(stored.file);
   const Packing packing = packing_of(stored.file);
-  if (packing == Packing::deflate) return require_possible_bytes(stored.file, promised, file_bytes);
+  if (packing == Packing::deflate) return require_possible_bytes(stored.file, stated, file_bytes);
   if (packing == Packing::bzip2)
-    return require_possible_bytes(stored.file, promised, file_bytes, kMostPerBzip2Byte);
+    return require_possible_bytes(stored.file, stated, file_bytes, kMostPerBzip2Byte);
   const std::uint64_t available = file_bytes - std::min(stored.offset, file_bytes);
-  require_stored_bytes(stored.file, promised, available);
-  if (available > promised && !stored.has_footer) warn_of_more(source, available - promised, true);
+  require_stored_bytes(stored.file, stated, available);
+  if (available > stated && !stored.has_footer) warn_of_more(source, available - stated, true);
 }
 
 void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file,
@@ -121,7 +121,7 @@ float float_of_half(std::uint16_t half) {
   const std::uint32_t sign = static_cast<std::uint32_t>(half >> 15) << 31;
   const std::uint32_t exponent = half >> kFractionBits & kLargestExponent;
   const std::uint32_t fraction = half & ((1U << kFractionBits) - 1);
-  if (exponent == 0) {  // zero or subnormal: the fraction counts steps of 2^-24
+  if (exponent == 0) {  // zero or subnormal: fraction * 2^-24
     return std::bit_cast<float>(
         sign | std::bit_cast<std::uint32_t>(static_cast<float>(fraction) * 0x1p-24F));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volumes of samples that a file stores one after the other, and the way from there to memory.
+// Volumes that a file stores in sequence, and reading one of them into memory.
 #pragma once
 
 #include <algorithm>
@@ -19,41 +19,42 @@ namespace isoatlas::detail::io {
 
 struct StoredVolumes {
   std::filesystem::path file = {};
-  std::uint64_t offset = 0;        ///< of the first sample, in the unpacked file
-  std::uint64_t volume_bytes = 0;  ///< of one volume as it is stored
+  std::uint64_t offset = 0;        ///< of the first sample, in the decompressed file
+  std::uint64_t volume_bytes = 0;  ///< stored size of one volume
   std::uint64_t count = 1;
-  bool has_footer = false;  ///< the format has more after the samples
+  bool has_footer = false;  ///< the format may have more data after the samples
 };
 
-/// To call before memory is allocated or choices are listed. Warns where a file that is not packed
-/// is longer than its header promises.
-/// @throws Error(bad_file)     the file cannot hold all volumes
-/// @throws Error(unsupported)  more than a million volumes
+/// Checks the size of the file. Call it before memory is allocated or choices are listed. Warns if
+/// a file that is not compressed is longer than its header states.
+/// @throws Error(bad_file)     if the file cannot hold all volumes
+/// @throws Error(unsupported)  if there are more than a million volumes
 void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source);
 
-/// Reads volume `index` into new memory for `file.volume`, whose grid's size and type are known:
-/// `read` gets a stream at the first sample, of which it takes `volume_bytes` bytes, and the
-/// memory. The rest of a packed file is read as well, as its checksum is at its end. Warns where
-/// there is more than the header promises.
-/// @throws Error(bad_file)       the file is damaged or holds less than all volumes
+/// Allocates memory for `file.volume`, whose size and type are known, and reads volume `index` into
+/// it. `read` is called with a stream at the first sample, from which it must read `volume_bytes`
+/// bytes, and with the memory. In a compressed file the rest is read as well, because the checksum
+/// is at its end. Warns if there is more data than the header states.
+/// @throws Error(bad_file)       if the file is damaged or holds fewer volumes than stated
 /// @throws Error(out_of_memory)
 void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file,
                         const ReadOptions& options,
                         const std::function<void(ByteSource&, std::byte*)>& read);
 
-/// The same for samples that are stored in the volume's type; `swap`: in the other byte order.
+/// The same for samples stored in the volume's type; `swap` if their byte order is not the
+/// machine's.
 void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap,
                         VolumeFile& file, const ReadOptions& options);
 
-/// The same for samples that are stored as half-precision numbers; the volume's are float32.
+/// The same for samples stored as half-precision numbers; the volume has float32.
 void read_half_samples(const StoredVolumes& stored, std::uint64_t index, bool swap,
                        VolumeFile& file, const ReadOptions& options);
 
-/// The first bytes of the unpacked file, at most `limit`.
+/// The first bytes of the decompressed file, at most `limit`.
 std::string unpacked_start(const std::filesystem::path& file, std::size_t limit);
 
-/// Reads `count` values of type Stored, in the other byte order if `swap`, and puts convert(value)
-/// of each into `samples`.
+/// Reads `count` values of type Stored, in the other byte order if `swap`, and stores
+/// convert(value) of each in `samples`.
 template <class Stored, class Sample, class Convert>
 void read_converted(ByteSource& stream, const std::filesystem::path& file, std::uint64_t count,
                     bool swap, Sample* samples, Convert convert) {

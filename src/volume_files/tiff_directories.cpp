@@ -14,12 +14,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The numbers of the file's structure, which are 2, 4 or 8 bytes in the file's byte order.
+/// Reads the numbers of the file's structure, which have 2, 4 or 8 bytes in the file's byte order.
 class StructureReader {
  public:
   StructureReader(const fs::path& path, std::uint64_t file_size)
       : path_(path), file_size_(file_size) {
-    file_.rdbuf()->pubsetbuf(nullptr, 0);  // the window is the buffer
+    file_.rdbuf()->pubsetbuf(nullptr, 0);  // window_ is the buffer
     file_.open(path, std::ios::binary);
     fill_window(0);
     const std::array<unsigned char, 4> mark{window_[0], window_[1], window_[2], window_[3]};
@@ -27,7 +27,8 @@ class StructureReader {
     const unsigned char version = is_big_endian_ ? mark[3] : mark[2];
     if (window_bytes_ < mark.size() || mark[0] != mark[1] || (mark[0] != 'I' && mark[0] != 'M') ||
         (version != 42 && version != 43)) {
-      throw bad_file(path, "is not a TIFF file: it does not begin with the mark of one");
+      throw bad_file(path,
+                     "is not a TIFF file: it does not begin with II or MM and a TIFF version");
     }
     is_big_tiff_ = version == 43;
   }
@@ -70,7 +71,7 @@ class StructureReader {
   bool is_big_endian_ = false, is_big_tiff_ = false;
 };
 
-/// The value of the entry for the predictor; 1 if there is none. Entries are sorted by tag.
+/// The predictor that the directory states; 1 if there is none. Entries are sorted by tag.
 std::uint32_t predictor_of(StructureReader& file, std::uint64_t first_entry,
                            std::uint64_t entries) {
   constexpr std::uint64_t kPredictor = 317, kShort = 3;
@@ -103,11 +104,11 @@ std::vector<TiffDirectory> tiff_directories(const fs::path& path, std::uint64_t 
   while (offset != 0 || directories.empty()) {
     const std::string page = "page " + std::to_string(directories.size() + 1);
     if (!seen.insert(offset).second) {
-      throw bad_file(path, "is damaged: its pages are a ring, after page " +
-                               std::to_string(directories.size()) + " comes an earlier one again");
+      throw bad_file(path, "is damaged: its pages form a loop: after page " +
+                               std::to_string(directories.size()) + " an earlier page follows");
     }
     const Error cut_off = bad_file(
-        path, "is cut off or damaged in " + page + ": its directory is not wholly in the file");
+        path, "is cut off or damaged in " + page + ": its directory is not completely in the file");
     if (offset == 0 || !file.has(offset, count_bytes)) {
       throw cut_off;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Not through ITK: of a stack that is cut off it returns the pages that are left, and of pages of
-// different size something that is none of them, both without an error.
+// ITK is not used: for a stack that is cut off it returns the remaining pages, and for pages of
+// different sizes it returns wrong samples, both without an error.
 #include "volume_files/tiff_file.h"
 
 #include <algorithm>
@@ -32,8 +32,8 @@ void keep_first(std::string& kept, const char* format, va_list arguments) {
 void keep_first_error(const char* /*module*/, const char* format, va_list arguments) {
   std::string error;
   keep_first(error, format, arguments);
-  // 4 and 5 are tifffile's millimetre and micrometre. libtiff refuses the value and reads on; the
-  // tag is about print.
+  // Ignores tifffile's values 4 and 5 (millimetre and micrometre). libtiff refuses the value and
+  // continues; the tag is meant for printing.
   if (error.find("\"ResolutionUnit\"") == std::string::npos && first_tiff_error.empty()) {
     first_tiff_error = error;
   }
@@ -49,7 +49,7 @@ Number tag_or(TIFF* tiff, std::uint32_t tag, Number otherwise) {
   return TIFFGetFieldDefaulted(tiff, tag, &value) == 0 ? otherwise : value;
 }
 
-// Decoders of faxes and photographs invent what a damaged stream lacks, and only warn.
+// Decoders of fax and photograph compression replace missing data and only warn.
 bool warns_of_damage(TIFF* tiff) {
   switch (tag_or<std::uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE)) {
     case COMPRESSION_CCITTRLE:
@@ -122,8 +122,7 @@ void require_decodable(TIFF* tiff, const fs::path& path) {
   }
 }
 
-// With other compressions libtiff ignores the predictor and returns differences in place of
-// samples.
+// With other compressions libtiff ignores the predictor and returns differences instead of samples.
 void require_predictor_is_undone(TIFF* tiff, std::uint32_t predictor, const fs::path& path) {
   constexpr std::array<std::uint16_t, 5> kWithPredictor{COMPRESSION_LZW, COMPRESSION_DEFLATE,
                                                         COMPRESSION_ADOBE_DEFLATE, COMPRESSION_LZMA,
@@ -172,7 +171,7 @@ class TiffFile::Messages {
   Messages(const Messages&) = delete;
   Messages& operator=(const Messages&) = delete;
 
-  /// The first error, without the path that most of them start with.
+  /// The first error, without the path with which most errors begin.
   static std::string first_error(const fs::path& path) {
     const std::string prefix = path.string() + ": ";
     return one_line(first_tiff_error.starts_with(prefix) ? first_tiff_error.substr(prefix.size())
@@ -378,8 +377,10 @@ std::uint64_t TiffFile::offset_of_plain_samples() const {
 
 void TiffFile::require_stored(std::uint32_t strip_or_tile) const {
   if (TIFFGetStrileByteCount(tiff_.get(), strip_or_tile) == 0) {
-    throw bad_file(path_, "page " + std::to_string(page_ + 1) +
-                              " leaves out a part of its samples (a sparse or damaged TIFF)");
+    throw bad_file(
+        path_,
+        "page " + std::to_string(page_ + 1) +
+            " has only a part of its samples (a sparse or damaged TIFF), expected all of them");
   }
 }
 
@@ -410,7 +411,7 @@ void TiffFile::read_strips(const PageFormat& format, std::size_t value, const Re
                     format.width, samples + (row + r) * row_bytes);
     }
     if (rows == format.height - row) {
-      break;  // row + strip_rows may not fit in 32 bits
+      break;  // row + strip_rows might not fit in 32 bits
     }
   }
 }
@@ -429,7 +430,7 @@ void TiffFile::read_tiles(const PageFormat& format, std::size_t value, const Rea
     throw damaged(page_);
   }
   if (!packs_without_bound()) {
-    constexpr std::uint64_t kMostPerByte = 5000;  // by LZW, of constant data
+    constexpr std::uint64_t kMostPerByte = 5000;  // LZW on constant data
     require_possible_bytes(path_, static_cast<std::uint64_t>(tile_bytes), file_size_, kMostPerByte);
   }
   const std::shared_ptr<std::byte[]> tile =

@@ -36,7 +36,7 @@ Vec3 take_spacing(const TiffStack& stack, VolumeSource& source) {
   source.has_spacing =
       std::ranges::any_of(stack.spacing, [](const auto& length) { return length.has_value(); });
   if (source.has_spacing && !missing.empty()) {
-    source.warnings.push_back("states no voxel size along " + missing + ", 1" +
+    source.warnings.push_back("states no voxel size along " + missing + "; 1" +
                               (unit.empty() ? "" : " " + unit) + " is assumed there");
   }
   return {stack.spacing[0].value_or(1), stack.spacing[1].value_or(1), stack.spacing[2].value_or(1)};

@@ -6,8 +6,8 @@
 
 namespace isoatlas::detail::io {
 
-/// The spacing that the stack states, 1 where it states none. Sets `source.has_spacing`, adds
-/// decisions on the unit and the rescale, and warns where it states only some.
+/// The spacing that the stack states, 1 along axes without one. Sets `source.has_spacing`, adds
+/// decisions about the unit and the rescaling, and warns if only some axes have a spacing.
 Vec3 take_spacing(const TiffStack& stack, VolumeSource& source);
 
 }  // namespace isoatlas::detail::io

@@ -12,15 +12,15 @@ void set_page_order(TiffStack& stack, const std::string& axes, std::vector<std::
   std::array<std::size_t, 3> step{};  // between channels, slices and times
   std::size_t product = 1;
   for (const char axis : axes) {
-    const std::size_t place = axis == 'C' ? 0 : axis == 'Z' ? 1 : 2;
-    step[place] = product;
+    const std::size_t axis_index = axis == 'C' ? 0 : axis == 'Z' ? 1 : 2;
+    step[axis_index] = product;
     product *= axis == 'C' ? stack.channels : axis == 'Z' ? stack.slices : stack.times;
   }
   stack.page_of = [step, is_contiguous = stack.is_contiguous,
                    pages = std::make_shared<const std::vector<std::size_t>>(std::move(pages))](
                       std::size_t channel, std::size_t slice, std::size_t time) {
-    const std::size_t place = channel * step[0] + slice * step[1] + time * step[2];
-    return is_contiguous ? place : pages->at(place);
+    const std::size_t page = channel * step[0] + slice * step[1] + time * step[2];
+    return is_contiguous ? page : pages->at(page);
   };
 }
 
@@ -40,7 +40,7 @@ std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& so
   }
   if (pages.size() < tiff.page_count()) {
     source.decisions.push_back({"previews", std::to_string(tiff.page_count() - pages.size()) +
-                                                " reduced pages or masks left out"});
+                                                " reduced pages or masks ignored"});
   }
   return pages;
 }

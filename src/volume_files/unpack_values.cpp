@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stored values to samples in memory: one of several values, packed bits, half precision.
+// Converts stored values to samples in memory: selects one of several values, unpacks bits, and
+// converts half precision.
 #include <bit>
 #include <cstring>
 
@@ -13,7 +14,7 @@ float from_half(std::uint16_t half) {
   const std::uint32_t sign = (half & 0x8000U) << 16;
   const std::uint32_t exponent = half >> 10 & 0x1FU;
   const std::uint32_t fraction = half & 0x3FFU;
-  if (exponent == 0) {  // zero and subnormal numbers: fraction / 2^24
+  if (exponent == 0) {  // zero or subnormal: fraction / 2^24
     const float magnitude = static_cast<float>(fraction) * 0x1p-24F;
     return sign == 0 ? magnitude : -magnitude;
   }
@@ -21,7 +22,7 @@ float from_half(std::uint16_t half) {
   return std::bit_cast<float>(sign | float_exponent << 23 | fraction << 13);
 }
 
-// Bits run from the highest of a byte to the lowest, in any byte order of the file.
+// Bits run from the highest of a byte to the lowest, in both byte orders.
 std::uint16_t bits_at(const std::byte* stored, std::uint64_t first_bit, unsigned count) {
   unsigned value = 0;
   for (std::uint64_t bit = first_bit; bit < first_bit + count; ++bit) {

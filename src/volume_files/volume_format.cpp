@@ -24,8 +24,8 @@ bool has_at(std::string_view bytes, std::size_t position, std::string_view mark)
 
 bool is_nrrd(std::string_view bytes) { return has_at(bytes, 0, "NRRD00"); }
 
-// The size of the header, as a number of either byte order, is at its start: 348, or 540 in
-// NIfTI-2. Analyze has no mark.
+// The header begins with its size, in either byte order: 348, or 540 in NIfTI-2. Analyze has no
+// other identification.
 bool is_nifti(std::string_view bytes) {
   for (const std::string_view size :
        {std::string_view("\x5C\x01\0\0", 4), std::string_view("\0\0\x01\x5C", 4)}) {
@@ -53,15 +53,15 @@ bool is_tiff(std::string_view bytes) {
 
 bool is_legacy_vtk(std::string_view bytes) { return has_at(bytes, 0, "# vtk DataFile"); }
 
-// Any data set: the reader says what it is where it is no volume.
+// Accepts any data set: the reader names the kind of data set if it is not a volume.
 bool is_vtk_xml(std::string_view bytes) {
   const std::size_t first = bytes.find_first_not_of("\xEF\xBB\xBF \t\r\n");
   return first != std::string_view::npos && bytes[first] == '<' &&
          bytes.find("<VTKFile") != std::string_view::npos;
 }
 
-// The version, of which the second byte may say more; four sizes and a type, big endian: most of
-// their upper bytes are 0.
+// MGH begins with the version, whose second byte may state more, four sizes and a type, big-endian:
+// most of their upper bytes are 0.
 bool is_mgh(std::string_view bytes) {
   if (bytes.size() < 30 || bytes[0] != 0 || bytes[1] != 0 || bytes[3] != 1) return false;
   for (std::size_t field = 4; field < 20; field += 4) {
@@ -91,7 +91,7 @@ constexpr std::array kVolumeFormats{
     VolumeFormat{"VTK XML", ".vti .vtr .pvti .pvtr", is_vtk_xml, read_vtk_xml},
 };
 
-// What a file is that no reader is for; empty if that is not known either.
+// The kind of a file for which there is no reader; empty if it is not known either.
 std::string other_kind(std::string_view bytes, const fs::path& path) {
   if (has_extension(path, ".ply .stl .obj .off .vtp .glb .vtm .3mf .gii")) return "is a mesh file";
   if (has_extension(path, ".json")) return "is a JSON file, perhaps a report";
@@ -101,17 +101,17 @@ std::string other_kind(std::string_view bytes, const fs::path& path) {
   if (has_extension(path, ".npz"))
     return "is an archive of NumPy arrays (numpy.save writes one array as .npy)";
   if (has_at(bytes, 0, "PK\x03\x04")) return "is a ZIP archive";
-  if (has_at(bytes, 0, "BZh")) return "is compressed by bzip2 (to be decompressed first: bunzip2)";
+  if (has_at(bytes, 0, "BZh")) return "is compressed by bzip2 (decompress it first: bunzip2)";
   if (has_at(bytes, 0,
              "\xFD"
              "7zXZ"))
-    return "is compressed by xz (to be decompressed first: unxz)";
+    return "is compressed by xz (decompress it first: unxz)";
   if (has_at(bytes, 0, "\x28\xB5\x2F\xFD"))
-    return "is compressed by zstandard (to be decompressed first: unzstd)";
+    return "is compressed by zstandard (decompress it first: unzstd)";
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";
   if (has_at(bytes, 0, "\xFF\xD8\xFF")) return "is a JPEG image";
-  if (has_at(bytes, 0, "\x89PNG")) return "is a 2-D PNG image (a folder with all slices is read)";
+  if (has_at(bytes, 0, "\x89PNG")) return "is a 2-D PNG image (give the folder with all slices)";
   if (has_at(bytes, 0, "%PDF")) return "is a PDF document";
   return "";
 }

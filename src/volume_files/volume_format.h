@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which reader a file is for.
+// Selects the reader for a file.
 #pragma once
 
 #include <filesystem>
@@ -11,22 +11,21 @@
 namespace isoatlas::detail::io {
 
 struct VolumeFormat {
-  std::string_view name;                           ///< for messages: "NRRD"
-  std::string_view extensions;                     ///< with dots, between blanks, lower case
-  bool (*has_mark)(std::string_view first_bytes);  ///< does a file that begins like this have the
-                                                   ///< format? Null: nothing tells
+  std::string_view name;        ///< for messages: "NRRD"
+  std::string_view extensions;  ///< with dots, separated by blanks, in lower case
+  bool (*has_mark)(std::string_view first_bytes);  ///< true if a file with these first bytes has
+                                                   ///< the format; null if the bytes do not show it
   VolumeFile (*read)(const std::filesystem::path& path, const ReadOptions& options);
   bool is_read_gzipped =
-      true;  ///< the whole file may be gzipped, or the reader refuses that itself
+      true;  ///< the whole file may be gzipped, or the reader itself refuses a gzipped file
 };
 
-/// The format whose mark the file has, else the one that its extension names. Names are compared
-/// without regard to case.
-/// @throws Error(unsupported)  neither; the message says what the file seems to be where that is
-/// known
+/// The format that the file's first bytes show, otherwise the format of its extension. Upper and
+/// lower case are equal.
+/// @throws Error(unsupported)  if there is none; the message names the kind of file if it is known
 const VolumeFormat& format_of(const std::filesystem::path& path);
 
-/// All extensions, between blanks.
+/// All extensions, separated by blanks.
 std::string volume_extensions();
 
 }  // namespace isoatlas::detail::io

@@ -34,7 +34,7 @@ std::string description(const VtkArray& array, bool with_prefix) {
          std::string(array.type.name()) + components;
 }
 
-// Arrays that are called `wanted`, those of points first.
+// The arrays with the name `wanted`, arrays of points first.
 std::optional<std::size_t> array_called(const std::vector<VtkArray>& arrays,
                                         const std::string& wanted) {
   for (const bool is_cell_data : {false, true}) {
@@ -49,7 +49,7 @@ std::optional<std::size_t> array_called(const std::vector<VtkArray>& arrays,
   return {};
 }
 
-// The one that is read where nothing was chosen; none: it is not clear which.
+// The array that is read without a choice; nothing if that is ambiguous.
 std::optional<std::size_t> array_without_choice(const std::vector<VtkArray>& arrays) {
   const bool reads_cells =
       std::ranges::all_of(arrays, [](const VtkArray& array) { return array.is_cell_data; });
@@ -169,12 +169,12 @@ EvenSteps even_steps(const fs::path& path, const AxisCoordinates& coordinates, c
   const std::vector<double>& values = coordinates.values;
   const std::string which = std::string("its ") + axis_name + " coordinates";
   if (values.size() < 2) {
-    return {values.empty() ? 0 : values.front(), 1};  // too few samples, which is said later
+    return {values.empty() ? 0 : values.front(), 1};  // too few samples, which is reported later
   }
   if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); })) {
     throw bad_file(path, which + " are not finite");
   }
-  constexpr double kTolerance = 1e-3;    // of a step: far less than what a sample stands for
+  constexpr double kTolerance = 1e-3;    // of a step
   constexpr double kMaxRounding = 1e-2;  // of a step
   const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
   const double rounding =

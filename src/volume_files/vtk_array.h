@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What VTK's legacy and XML files have in common: named arrays of values at the points or in the
-// cells of a grid.
+// Code for VTK's legacy and XML files: named arrays of values at the points or in the cells of a
+// grid.
 #pragma once
 
 #include <array>
@@ -17,24 +17,24 @@ namespace isoatlas::detail::io {
 
 struct VtkArray {
   std::string name = {};
-  bool is_cell_data = false;  ///< one tuple for each cell of the grid, else for each point
+  bool is_cell_data = false;  ///< one tuple per cell of the grid, otherwise per point
   bool is_marked = false;     ///< the file marks it as the scalars
   VtkType type = {};
   std::uint64_t components = 1;
-  std::vector<std::string> component_names = {};  ///< none: they have no names
+  std::vector<std::string> component_names = {};  ///< empty if the components have no names
 };
 
-/// An array that holds no volume: it says which samples are copies or hidden.
+/// True for an array that is not a volume but marks samples as copies or hidden.
 bool is_ghost_array(const std::string& name);
 
-/// The array to read: the one that `options.array` names, else the only one that is marked, else
-/// the only one. Point data comes before cell data. In a file with both, arrays of cells are called
-/// "cell:NAME".
-/// @throws ChoiceNeeded as take_choice()
+/// The index of the array to read: the array that `options.array` names, else the only marked
+/// array, else the only array. Point data precedes cell data. If the file has both, arrays of cells
+/// are called "cell:NAME".
+/// @throws ChoiceNeeded like take_choice()
 std::size_t choose_array(const std::filesystem::path& path, const std::vector<VtkArray>& arrays,
                          const ReadOptions& options, VolumeSource& source);
 
-/// The component to read; of several, `options.channel` has to name one.
+/// The component to read; if there are several, `options.channel` must name one.
 std::uint64_t choose_component(const std::filesystem::path& path, const VtkArray& array,
                                const ReadOptions& options, VolumeSource& source);
 
@@ -49,26 +49,26 @@ struct VtkGrid {
   std::array<std::size_t, 3> cells() const;
 };
 
-/// The grid of the samples: points, or the centres of cells, which is noted in `source`.
-/// @throws Error as checked_sample_bytes() and grid_of_file()
+/// The grid of the samples: the points, or the centres of the cells, which is noted in `source`.
+/// @throws Error like checked_sample_bytes() and grid_of_file()
 Grid sample_grid(const std::filesystem::path& path, const VtkGrid& grid, bool is_cell_data,
                  VolumeSource& source);
 
 struct AxisCoordinates {
   std::vector<double> values = {};
-  double rounding = 0;  ///< of a value, relative to it: that of float, or of six digits
+  double rounding = 0;  ///< relative rounding of a value: that of float, or of six digits
 };
 
 AxisCoordinates coordinates_of_axis(VtkValues& values, VtkType type, std::uint64_t count,
                                     bool is_text);
 
-/// Coordinates that stand for equal steps.
+/// Coordinates with equal steps.
 struct EvenSteps {
   double first = 0;
   double step = 1;
 };
 
-/// @throws Error(unsupported)  the steps differ by more than rounding, or 0.001 of a step
+/// @throws Error(unsupported)  if the steps differ by more than rounding, or by 0.001 of a step
 EvenSteps even_steps(const std::filesystem::path& path, const AxisCoordinates& coordinates,
                      char axis_name);
 

@@ -19,7 +19,7 @@ std::string place_of(const std::array<std::size_t, 3>& at) {
          std::to_string(at[2]) + ")";
 }
 
-// Infinite where only one of them is a number.
+// The absolute difference; infinite if only one of the two is a number.
 double difference(SampleType type, const std::byte* a, const std::byte* b) {
   return visit_sample_type(type, [&](auto* sample) {
     std::remove_const_t<std::remove_pointer_t<decltype(sample)>> x{}, y{};
@@ -59,14 +59,14 @@ void PieceAssembly::add(VtkValues& values, std::uint64_t components, std::uint64
       for (std::size_t i = 0; i < stored.size[0]; ++i, ++number) {
         const std::size_t x = stored.first[0] + i;
         if (is_wanted(0, x) && is_wanted(1, y) && is_wanted(2, z)) {
-          place({x, y, z}, row.data() + i * sample_bytes, !is_copy.empty() && is_copy[number]);
+          store({x, y, z}, row.data() + i * sample_bytes, !is_copy.empty() && is_copy[number]);
         }
       }
     }
   }
 }
 
-void PieceAssembly::place(const std::array<std::size_t, 3>& at, const std::byte* sample,
+void PieceAssembly::store(const std::array<std::size_t, 3>& at, const std::byte* sample,
                           bool is_copy) {
   const std::size_t index = index_of(at);
   const std::size_t sample_bytes = bytes_per_sample(type_);
@@ -95,7 +95,7 @@ void PieceAssembly::finish(VolumeSource& source) const {
   if (largest_difference_ == 0) {
     return;
   }
-  constexpr double kRounding = 1e-5;  // of the range of all samples
+  constexpr double kRounding = 1e-5;  // times the range of all samples
   const SampleSummary summary = summarize({{.size = size_}, type_, samples_});
   if (!(largest_difference_ <= kRounding * (summary.maximum - summary.minimum))) {
     throw bad_file(path_, "its pieces contradict each other: two of them differ by " +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the samples of pieces together. Pieces share points, and may overlap in more of them.
+// Assembles the samples of pieces. Pieces share points and may overlap further.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace isoatlas::detail::io {
 
-/// A part of a grid of samples: from `first` on, `size` samples along each axis.
+/// A part of a grid of samples: `size` samples along each axis, from `first` on.
 struct SampleBox {
   std::array<std::size_t, 3> first{}, size{};
 
@@ -23,27 +23,27 @@ struct SampleBox {
 
 class PieceAssembly {
  public:
-  /// @param samples  for size[0] x size[1] x size[2] of them
+  /// @param samples  memory for size[0] x size[1] x size[2] samples
   PieceAssembly(const std::filesystem::path& path, const std::array<std::size_t, 3>& size,
                 SampleType type, std::byte* samples);
 
-  /// Reads all samples of a piece and keeps those that are wanted.
+  /// Reads all samples of a piece and keeps the wanted ones.
   ///
-  /// @param stored   all that the values are of
-  /// @param wanted   within `stored` and within the volume
-  /// @param is_copy  one for each stored sample: another piece has the original, which comes before
-  /// it; empty: none is
+  /// @param stored   the box of the values
+  /// @param wanted   a box within `stored` and within the volume
+  /// @param is_copy  per stored sample, true if another piece has the original, which takes
+  /// precedence; empty if no sample is a copy
   void add(VtkValues& values, std::uint64_t components, std::uint64_t component,
            const SampleBox& stored, const SampleBox& wanted, const std::vector<bool>& is_copy);
 
   /// @throws Error(bad_file) if samples are in no piece, or pieces differ by more than rounding;
-  /// less is a warning in `source`
+  /// smaller differences give a warning in `source`
   void finish(VolumeSource& source) const;
 
  private:
   enum class State : std::uint8_t { missing, copied, original };
 
-  void place(const std::array<std::size_t, 3>& at, const std::byte* sample, bool is_copy);
+  void store(const std::array<std::size_t, 3>& at, const std::byte* sample, bool is_copy);
   std::size_t index_of(const std::array<std::size_t, 3>& at) const {
     return at[0] + size_[0] * (at[1] + size_[1] * at[2]);
   }

@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The attribute of the header, else of the first piece's file: a .pvti need not have a Direction.
+// The attribute of the header, or of the first piece's file if the header lacks it: a .pvti need
+// not have a Direction.
 std::vector<double> image_numbers(const VtkXmlGrid& grid, const char* attribute,
                                   std::size_t count) {
   std::vector<double> numbers = numbers_of(*grid.header, *grid.element, attribute, count);
@@ -30,7 +31,7 @@ std::vector<double> image_numbers(const VtkXmlGrid& grid, const char* attribute,
   return numbers;
 }
 
-// A piece's file that states another grid belongs to another volume.
+// A piece whose file states another grid belongs to another volume.
 void require_same_in_pieces(const VtkXmlGrid& grid, const char* attribute,
                             const std::vector<double>& expected, double tolerance) {
   for (const VtkXmlPiece& piece : grid.pieces) {
@@ -86,8 +87,8 @@ class Coordinates {
     }
     if (all.values.size() != points_[axis] ||
         std::ranges::any_of(all.values, [](double value) { return std::isnan(value); })) {
-      throw bad_file(grid_.header->path,
-                     std::string("has not all ") + "xyz"[axis] + " coordinates of its WholeExtent");
+      throw bad_file(grid_.header->path, std::string("does not have all ") + "xyz"[axis] +
+                                             " coordinates of its WholeExtent");
     }
     return all;
   }

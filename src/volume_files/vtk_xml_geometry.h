@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the points of a VTK XML image or rectilinear grid are.
+// The geometry of a VTK XML image or rectilinear grid.
 #pragma once
 
 #include "isoatlas/volume_file.h"
@@ -8,10 +8,10 @@
 
 namespace isoatlas::detail::io {
 
-/// Sets `source.has_spacing`.
-/// @throws Error(bad_file)     missing or damaged coordinates, or a piece that is elsewhere than
-/// the header says
-/// @throws Error(unsupported)  steps that are not equal
+/// Also sets `source.has_spacing`.
+/// @throws Error(bad_file)     if coordinates are missing or damaged, or a piece is not where the
+/// header places it
+/// @throws Error(unsupported)  if the steps are not equal
 VtkGrid vtk_xml_geometry(const VtkXmlGrid& grid, const ReadOptions& options, VolumeSource& source);
 
 }  // namespace isoatlas::detail::io

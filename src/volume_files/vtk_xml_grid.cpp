@@ -68,15 +68,15 @@ void require_within(const fs::path& path, const PointExtent& extent, const Point
   }
 }
 
-// The pieces that are in the file itself.
+// Adds the pieces that are in the file itself.
 void add_pieces(VtkXmlGrid& grid, const std::shared_ptr<const VtkXmlHeader>& header,
-                const XmlElement& element, const PointExtent& promised) {
+                const XmlElement& element, const PointExtent& stated) {
   for (const XmlElement& child : element.children) {
     if (child.name != "Piece") {
       continue;
     }
     const PointExtent extent = extent_of(*header, child, "Extent");
-    const PointExtent wanted = extent.intersection(promised);
+    const PointExtent wanted = extent.intersection(stated);
     if (wanted.is_empty()) {
       continue;
     }
@@ -92,7 +92,8 @@ fs::path piece_file(const fs::path& path, const XmlElement& piece) {
   }
   std::error_code ignored;
   fs::path file = path.parent_path() / source;
-  if (!fs::exists(file, ignored) && source.find('\\') != std::string::npos) {  // from Windows
+  if (!fs::exists(file, ignored) &&
+      source.find('\\') != std::string::npos) {  // a path written on Windows
     std::ranges::replace(source, '\\', '/');
     file = path.parent_path() / source;
   }
@@ -102,7 +103,7 @@ fs::path piece_file(const fs::path& path, const XmlElement& piece) {
 void add_files(VtkXmlGrid& grid, const std::string& piece_type) {
   const fs::path& path = grid.header->path;
   std::map<fs::path, std::shared_ptr<const VtkXmlHeader>>
-      headers;  // several pieces may name one file
+      headers;  // several pieces may name the same file
   for (const XmlElement& piece : grid.element->children) {
     const bool is_piece = piece.name == "Piece";
     const PointExtent extent = is_piece ? extent_of(*grid.header, piece, "Extent") : PointExtent{};

@@ -1264,7 +1264,7 @@ class BadArguments(ToolTest):
         for name in ("s.ply", "s.vtm", "s-{level}.glb"):
             refuse(r"-o NAME\.glb", name, "--glb-per-level")
         self.put("s", b"no folder")
-        refuse("no folder", "s.vtm")
+        refuse("is not a folder", "s.vtm")
         (self.folder / "s-1.ply").mkdir()
         refuse("s-1.ply", "s-{level}.ply")
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every volume file at hand, read by isoatlas and by a program that has nothing to do with it: the same size, the same place in the world,
-the same samples."""
+"""Reads every available volume with isoatlas and with an independent program.
+
+Size, world position and samples must be the same.
+"""
 
 import os
 import pathlib
@@ -17,7 +19,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FIELD = ROOT / "tests" / "data" / "field"
 DATA = pathlib.Path(os.environ.get("ISOATLAS_TEST_DATA") or ROOT.parent / "shared" / "data")
 
-# What isoatlas refuses, or what needs a choice: the test of the row says so (docs/reference/formats.md).
+# Files that need a choice, and files that isoatlas refuses; their own tests check it
+# (docs/reference/formats.md).
 CHOICES = {
     "t_ij_2ch.tif": [{"channel": 0}, {"channel": 1}],
     "n_4d2.nii": [{"time": 0}, {"time": 1}],
@@ -25,10 +28,13 @@ CHOICES = {
     "v_two_none.vti": [{"array": "a"}, {"array": "b"}],
 }
 REFUSED = {"dup_newuid", "endtrunc0", "nogeom", "enh_two_vols", "ipp_only_nosp", "one.dcm"}
-# The independent reader does not know what is right here: the row's own test does.
+# The independent reader is wrong about these files; they have their own tests.
 OWN_TEST = {"t_ij_trunc.tif", "r_det_longer.nhdr"}
 PARTS = ("r_sl", "r_det.raw", "README.md", "v_par_0.vti", "v_par_1.vti")
-VOLUMES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".tif", ".tiff", ".vtk", ".vti", ".vtr", ".pvti", ".npy", ".mrc", ".mgz")
+VOLUMES = (
+    ".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".tif", ".tiff", ".vtk", ".vti", ".vtr",
+    ".pvti", ".npy", ".mrc", ".mgz",
+)
 
 
 def cases():
@@ -62,8 +68,11 @@ def expect_same(path, **choice):
     np.testing.assert_allclose(placed, affine, rtol=1e-5, atol=1e-5 * scale)
     if np.issubdtype(found.dtype, np.integer):
         assert np.array_equal(found, expected)
-    else:  # a rescale is float32 here and float64 there
-        np.testing.assert_allclose(found, expected.astype(np.float64), rtol=3e-7, atol=1e-6 * np.nanmax(np.abs(expected[np.isfinite(expected)])))
+    else:  # isoatlas rescales in float32, the other program in float64
+        largest = np.nanmax(np.abs(expected[np.isfinite(expected)]))
+        np.testing.assert_allclose(
+            found, expected.astype(np.float64), rtol=3e-7, atol=1e-6 * largest
+        )
 
 
 @pytest.mark.parametrize("case", list(cases()), ids=name_of)
@@ -83,6 +92,8 @@ def test_reads_what_an_independent_program_writes(writer, tmp_path):
             raise AssertionError(f"{path.name}: {error}") from error
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason=f"no {DATA}; set ISOATLAS_TEST_DATA to the folder of volumes")
+@pytest.mark.skipif(
+    not DATA.is_dir(), reason=f"no {DATA}; set ISOATLAS_TEST_DATA to the folder of volumes"
+)
 def test_the_real_volumes_are_among_them():
     assert len([1 for path, _ in cases() if path.parent == DATA]) >= 16

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files in many variants, written by nibabel, tifffile, pynrrd, mrcfile, VTK and numpy: sample types, byte orders,
-compressions, axes. Each writer yields the paths of its files; `independent.read` knows what is in them."""
+"""Writes files in many variants with nibabel, tifffile, pynrrd, mrcfile, VTK and numpy.
+
+The variants differ in sample type, byte order, compression and axes. Each writer yields the paths
+of its files, which `independent.read` reads.
+"""
 
 import itertools
 
@@ -21,23 +24,31 @@ def tiff_types(folder):
 
     for dtype, order, is_big in itertools.product((*TYPES, "f2"), "<>", (False, True)):
         path = folder / f"type_{dtype}_{'le' if order == '<' else 'be'}_{int(is_big)}.tif"
-        tifffile.imwrite(path, samples(dtype), byteorder=order, bigtiff=is_big, photometric="minisblack")
+        tifffile.imwrite(
+            path, samples(dtype), byteorder=order, bigtiff=is_big, photometric="minisblack"
+        )
         yield path
 
 
 def tiff_compressions(folder):
     import tifffile
 
-    for compression, predictor, tile in itertools.product(("zlib", "lzma", "packbits", "lzw", "zstd"), (None, 2, 3), (None, (16, 16))):
-        path = folder / f"packed_{compression}_{predictor}_{bool(tile)}.tif"
+    compressions = ("zlib", "lzma", "packbits", "lzw", "zstd")
+    for compression, predictor, tile in itertools.product(
+        compressions, (None, 2, 3), (None, (16, 16))
+    ):
+        path = folder / f"compressed_{compression}_{predictor}_{bool(tile)}.tif"
         dtype = "f4" if predictor == 3 else "u2"
         if predictor and compression == "packbits":
-            continue  # refused: libtiff would not undo it
+            continue  # refused: libtiff does not undo the predictor
         try:
-            tifffile.imwrite(path, samples(dtype), compression=compression, predictor=predictor, tile=tile, photometric="minisblack")
+            tifffile.imwrite(
+                path, samples(dtype), compression=compression, predictor=predictor, tile=tile,
+                photometric="minisblack",
+            )
             tifffile.imread(path)
         except (ImportError, ValueError, KeyError, NotImplementedError):
-            continue  # needs a package that is not there
+            continue  # needs a package that is not installed
         yield path
 
 
@@ -46,14 +57,19 @@ def tiff_of_imagej(folder):
 
     for dtype, unit in itertools.product(("u1", "u2", "f4"), ("um", "nm", "cm")):
         path = folder / f"imagej_{dtype}_{unit}.tif"
-        tifffile.imwrite(path, np.abs(samples(dtype)), imagej=True, resolution=(4, 5), metadata={"axes": "ZYX", "spacing": 0.7, "unit": unit})
+        metadata = {"axes": "ZYX", "spacing": 0.7, "unit": unit}
+        tifffile.imwrite(
+            path, np.abs(samples(dtype)), imagej=True, resolution=(4, 5), metadata=metadata
+        )
         yield path
 
 
 def nifti(folder):
     import nibabel
 
-    oblique = np.array([[0.8, 0.1, -0.2, 4], [-0.1, 0.9, 0.3, -7], [0.2, -0.3, 1.9, 2], [0, 0, 0, 1.0]])
+    oblique = np.array(
+        [[0.8, 0.1, -0.2, 4], [-0.1, 0.9, 0.3, -7], [0.2, -0.3, 1.9, 2], [0, 0, 0, 1.0]]
+    )
     rotation, _ = np.linalg.qr(oblique[:3, :3])
     for (name, kind), dtype, order, sign in itertools.product(
         (("1", nibabel.Nifti1Image), ("2", nibabel.Nifti2Image)), TYPES, "<>", (1, -1)
@@ -65,7 +81,9 @@ def nifti(folder):
         header.set_data_dtype(np.dtype(dtype).newbyteorder(order))
         image = kind(samples(dtype).transpose(2, 1, 0), affine, header)
         image.header.set_xyzt_units("mm")
-        path = folder / f"n{name}_{dtype}_{'le' if order == '<' else 'be'}_{'r' if sign > 0 else 'l'}.nii{'.gz' if sign > 0 else ''}"
+        byte_order = "le" if order == "<" else "be"
+        ending = "r.nii.gz" if sign > 0 else "l.nii"
+        path = folder / f"n{name}_{dtype}_{byte_order}_{ending}"
         image.to_filename(path)
         yield path
 
@@ -75,7 +93,8 @@ def mgh(folder):
 
     for dtype in ("u1", "i2", "i4", "f4"):
         path = folder / f"m_{dtype}.mgz"
-        nibabel.MGHImage(samples(dtype).transpose(2, 1, 0), np.diag([0.5, -1, 2, 1.0])).to_filename(path)
+        affine = np.diag([0.5, -1, 2, 1.0])
+        nibabel.MGHImage(samples(dtype).transpose(2, 1, 0), affine).to_filename(path)
         yield path
 
 
@@ -83,9 +102,15 @@ def nrrd(folder):
     import nrrd as pynrrd
 
     spaces = ("left-posterior-superior", "right-anterior-superior", "left-anterior-superior")
-    for dtype, encoding, space in itertools.product(TYPES, ("raw", "gzip", "bzip2", "text"), spaces):
+    encodings = ("raw", "gzip", "bzip2", "text")
+    for dtype, encoding, space in itertools.product(TYPES, encodings, spaces):
         path = folder / f"r_{dtype}_{encoding}_{space[:7]}.nrrd"
-        header = {"space": space, "space directions": [[0.8, 0, 0.1], [0, 1.1, 0], [-0.2, 0, 1.6]], "space origin": [1, -2, 3], "encoding": encoding}
+        header = {
+            "space": space,
+            "space directions": [[0.8, 0, 0.1], [0, 1.1, 0], [-0.2, 0, 1.6]],
+            "space origin": [1, -2, 3],
+            "encoding": encoding,
+        }
         pynrrd.write(str(path), samples(dtype).transpose(2, 1, 0), header)
         yield path
 
@@ -113,9 +138,20 @@ def vtk_xml(folder):
     import vtk
     from vtk.util.numpy_support import numpy_to_vtk
 
-    compressors = {"none": None, "zlib": vtk.vtkZLibDataCompressor, "lz4": vtk.vtkLZ4DataCompressor, "lzma": vtk.vtkLZMADataCompressor}
-    modes = {"text": vtk.vtkXMLWriter.Ascii, "inline": vtk.vtkXMLWriter.Binary, "appended": vtk.vtkXMLWriter.Appended}
-    for dtype, (mode, mode_value), (packed, compressor) in itertools.product(("u1", "i2", "u4", "f4", "f8"), modes.items(), compressors.items()):
+    compressors = {
+        "none": None,
+        "zlib": vtk.vtkZLibDataCompressor,
+        "lz4": vtk.vtkLZ4DataCompressor,
+        "lzma": vtk.vtkLZMADataCompressor,
+    }
+    modes = {
+        "text": vtk.vtkXMLWriter.Ascii,
+        "inline": vtk.vtkXMLWriter.Binary,
+        "appended": vtk.vtkXMLWriter.Appended,
+    }
+    for dtype, (mode, mode_value), (compression, compressor) in itertools.product(
+        ("u1", "i2", "u4", "f4", "f8"), modes.items(), compressors.items()
+    ):
         image = vtk.vtkImageData()
         image.SetExtent(3, 3 + SHAPE[2] - 1, -2, -2 + SHAPE[1] - 1, 0, SHAPE[0] - 1)
         image.SetSpacing(0.5, 0.75, 2)
@@ -124,7 +160,7 @@ def vtk_xml(folder):
         values.SetName("v")
         image.GetPointData().SetScalars(values)
         writer = vtk.vtkXMLImageDataWriter()
-        path = folder / f"v_{dtype}_{mode}_{packed}.vti"
+        path = folder / f"v_{dtype}_{mode}_{compression}.vti"
         writer.SetFileName(str(path))
         writer.SetInputData(image)
         writer.SetDataMode(mode_value)
@@ -157,4 +193,6 @@ def vtk_legacy(folder):
         yield path
 
 
-WRITERS = (tiff_types, tiff_compressions, tiff_of_imagej, nifti, mgh, nrrd, mrc, npy, vtk_xml, vtk_legacy)
+WRITERS = (
+    tiff_types, tiff_compressions, tiff_of_imagej, nifti, mgh, nrrd, mrc, npy, vtk_xml, vtk_legacy,
+)

@@ -35,8 +35,8 @@ bool holds(const List& list, std::string_view format) {
   return std::ranges::find(list, format) != list.end();
 }
 
-/// A folder with one file, or two slices, in memory where the machine has such a folder. The file's
-/// name has the format's extension.
+/// A folder with one file or two slices, in memory if the machine has a folder in memory. The
+/// extension of the file's name is the format.
 class FileInMemory {
  public:
   FileInMemory(std::string_view format, std::span<const std::uint8_t> bytes) {
@@ -45,7 +45,7 @@ class FileInMemory {
     fs::create_directory(folder_);
     path_ = folder_ / ("s1." + std::string(format));
     write(path_, bytes);
-    // A header may name this file for its samples.
+    // A header may name this file as the file with its samples.
     constexpr std::string_view kSamples = "samples.raw";
     if (std::search(bytes.begin(), bytes.end(), kSamples.begin(), kSamples.end()) != bytes.end())
       write(folder_ / kSamples, bytes);
@@ -74,7 +74,7 @@ class FileInMemory {
   fs::path folder_, path_;
 };
 
-std::string wrong_grid(const Grid& grid) {
+std::string problem_of_grid(const Grid& grid) {
   const auto finite = [](const Vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
   };
@@ -85,10 +85,11 @@ std::string wrong_grid(const Grid& grid) {
   return is_sound ? "" : "a grid that is not sound";
 }
 
-std::string wrong_volume(const fs::path& path, const ReadOptions& options) {
-  mallopt(M_PERTURB, 0x11);  // memory that nobody writes is not the same twice
+std::string problem_of_volume(const fs::path& path, const ReadOptions& options) {
+  mallopt(M_PERTURB, 0x11);  // unwritten memory differs from read to read
   const VolumeFile once = read_volume_file(path, options);
-  if (const std::string wrong = wrong_grid(once.volume.view.grid); !wrong.empty()) return wrong;
+  if (const std::string wrong = problem_of_grid(once.volume.view.grid); !wrong.empty())
+    return wrong;
   mallopt(M_PERTURB, 0x22);
   const VolumeFile again = read_volume_file(path, options);
   if (sample_digest(once.volume) != sample_digest(again.volume))
@@ -106,13 +107,13 @@ void choose(ReadOptions& options, const FileChoice& choice, std::size_t entry) {
   if (choice.name == "series") options.series = std::to_string(entry);
 }
 
-std::string wrong_volume_of_choices(const fs::path& path) {
+std::string problem_of_any_choice(const fs::path& path) {
   ReadOptions options;
   options.max_memory = std::uint64_t{1} << 26;
   constexpr int kDeepest = 4;
   for (int depth = 0; depth < kDeepest; ++depth) {
     try {
-      return wrong_volume(path, options);
+      return problem_of_volume(path, options);
     } catch (const ChoiceNeeded& needed) {
       if (needed.choice().entries.size() < 2) return "a choice of fewer than two";
       choose(options, needed.choice(), needed.choice().entries.size() - 1);
@@ -121,7 +122,7 @@ std::string wrong_volume_of_choices(const fs::path& path) {
   return "";
 }
 
-std::string wrong_mesh(const fs::path& path) {
+std::string problem_of_mesh(const fs::path& path) {
   const HierarchyFile file = read_levels(path);
   for (std::size_t level = 0; level < file.hierarchy.levels.size(); ++level) {
     const TriangleMesh mesh = file.hierarchy.mesh(level);
@@ -145,7 +146,7 @@ TriangleMesh octahedron() {
   return mesh;
 }
 
-/// Reads a report about an octahedron: from memory, and as a file beside its mesh, octahedron.ply.
+/// Reads a report about an octahedron: from memory, and as a file next to its mesh, octahedron.ply.
 /// Reports that name other folders are read from memory only: they could name the whole disk as a
 /// folder of DICOM slices.
 void read_report(const FileInMemory& file, std::span<const std::uint8_t> bytes) {
@@ -164,11 +165,11 @@ bool is_fuzzed_format(std::string_view format) {
   return holds(kVolumes, format) || holds(kMeshes, format) || format == "json";
 }
 
-std::string what_is_wrong_with_file(std::string_view format, std::span<const std::uint8_t> bytes) {
+std::string find_problem_in_file(std::string_view format, std::span<const std::uint8_t> bytes) {
   const FileInMemory file(format, bytes);
   try {
-    if (holds(kVolumes, format)) return wrong_volume_of_choices(file.path());
-    if (holds(kMeshes, format)) return wrong_mesh(file.path());
+    if (holds(kVolumes, format)) return problem_of_any_choice(file.path());
+    if (holds(kMeshes, format)) return problem_of_mesh(file.path());
     read_report(file, bytes);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::internal || error.code() == ErrorCode::cancelled)

@@ -11,21 +11,21 @@
 namespace isoatlas::detail::test {
 namespace {
 
-// Internal errors are ours, and nobody cancelled.
-bool is_a_users_fault(ErrorCode code) {
+// True for errors that the input may cause. Internal errors are bugs, and nothing cancels the run.
+bool is_users_error(ErrorCode code) {
   return code == ErrorCode::bad_argument || code == ErrorCode::unsupported ||
          code == ErrorCode::empty_surface;
 }
 
 }  // namespace
 
-std::string what_is_wrong_with(const FuzzInput& input) {
+std::string find_problem(const FuzzInput& input) {
   RunControl control;
   control.threads = 1;
   try {
     return what_is_wrong(extract(input.volume, input.options, control), input.options);
   } catch (const Error& error) {
-    if (!is_a_users_fault(error.code())) return error.what();
+    if (!is_users_error(error.code())) return error.what();
     if (std::strchr(error.what(), '\n') != nullptr) return "a message of more than one line";
   }
   return "";
@@ -38,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace isoatlas::detail;
   using namespace isoatlas::detail::test;
   const FuzzInput input = decode(data, size);
-  if (const std::string wrong = what_is_wrong_with(input); !wrong.empty()) {
+  if (const std::string wrong = find_problem(input); !wrong.empty()) {
     std::fprintf(stderr, "%s\n%s", wrong.c_str(), describe(input).c_str());
     std::abort();
   }

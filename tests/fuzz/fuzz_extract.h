@@ -9,11 +9,11 @@
 
 namespace isoatlas::detail::test {
 
-/// Extracts; the input must be refused as the user's fault or give sound levels.
-/// @return an empty string, or what is wrong
-std::string what_is_wrong_with(const FuzzInput& input);
+/// Extracts; the input must be refused with a user's error or give sound levels.
+/// @return an empty string, or a description of the problem
+std::string find_problem(const FuzzInput& input);
 
 }  // namespace isoatlas::detail::test
 
-/// What libFuzzer calls; says what is wrong, and aborts.
+/// The entry point for libFuzzer; prints the problem and aborts.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer's entry for one format, ISOATLAS_FUZZED_FORMAT.
+// The entry point for libFuzzer for one format, ISOATLAS_FUZZED_FORMAT.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (const std::string wrong =
-          isoatlas::detail::test::what_is_wrong_with_file(ISOATLAS_FUZZED_FORMAT, {data, size});
+          isoatlas::detail::test::find_problem_in_file(ISOATLAS_FUZZED_FORMAT, {data, size});
       !wrong.empty()) {
     std::fprintf(stderr, "WRONG: %s\n", wrong.c_str());
     std::abort();

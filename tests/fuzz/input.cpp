@@ -19,7 +19,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity(),
                  kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Reads bytes; zeros when there are no more, so that every prefix is an input too.
+// Reads bytes; returns zeros after the end, so that every prefix is also a valid input.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : next_(data), end_(data + size) {}
@@ -43,7 +43,8 @@ class Bytes {
   const std::uint8_t *next_, *end_;
 };
 
-// Few values, so that many tie; all of them; those at the limits; any bits.
+// The kinds of samples: few values, which gives many ties; all values; values at the limits; any
+// bits.
 template <class T>
 T sample(Bytes& bytes, std::size_t kind) {
   using Limits = std::numeric_limits<T>;
@@ -216,7 +217,7 @@ ExtractOptions read_options(Bytes& bytes, double voxel) {
   return out;
 }
 
-// ---- said in words
+// ---- text
 
 std::ostream& operator<<(std::ostream& out, const Vec3& v) {
   return out << '(' << v.x << ", " << v.y << ", " << v.z << ')';
@@ -268,7 +269,7 @@ void write_samples(std::ostream& out, const VolumeView& volume) {
 
 FuzzInput decode(const std::uint8_t* data, std::size_t size) {
   Bytes bytes(data, size);
-  // Options first: samples take all that is left.
+  // Options are decoded first, because samples use all remaining bytes.
   const double voxel = bytes.one_of(std::array{1.0, 0.3, 1e-6, 1e300});
   FuzzInput out;
   out.options = read_options(bytes, voxel);

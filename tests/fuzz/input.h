@@ -9,16 +9,16 @@
 
 namespace isoatlas::detail::test {
 
-/// A tiny volume and a set of options, some of which nobody may ask for.
+/// A tiny volume and a set of options, some of which may be invalid.
 struct FuzzInput {
   Volume volume;
   ExtractOptions options;
 };
 
-/// Any bytes are one; where there are too few they go on as zeros.
+/// Decodes any bytes; missing bytes count as zeros.
 FuzzInput decode(const std::uint8_t* data, std::size_t size);
 
-/// In words, down to the samples, to make a test of.
+/// Describes the input including its samples, so that a test can be written from the text.
 std::string describe(const FuzzInput& input);
 
 }  // namespace isoatlas::detail::test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs what was fuzzed on files and on the files of folders, without a fuzzer:
-//   replay_fuzz_extract [--describe] FILE|FOLDER...      status 1 where one is wrong; --describe:
-//   says what they are, and runs nothing
+// Replays fuzzed inputs from files and folders, without a fuzzer:
+//   replay_fuzz_extract [--describe] FILE|FOLDER...
+// The exit status is 1 if an input has a problem. --describe only describes the inputs.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   std::sort(files.begin(), files.end());
   std::size_t wrong_files = 0;
   for (const fs::path& file : files) {
-    std::fprintf(stderr, "%s\n", file.c_str());  // the last one before a crash is the one
+    std::fprintf(stderr, "%s\n", file.c_str());  // the last name before a crash is the cause
     std::ifstream in(file, std::ios::binary);
     if (!in) {
       std::fprintf(stderr, "cannot be read\n");
@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
         decode(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     if (only_describe) {
       std::printf("%s\n", describe(input).c_str());
-    } else if (const std::string wrong = what_is_wrong_with(input); !wrong.empty()) {
+    } else if (const std::string wrong = find_problem(input); !wrong.empty()) {
       std::fprintf(stderr, "WRONG: %s\n%s\n", wrong.c_str(), describe(input).c_str());
       ++wrong_files;
     }

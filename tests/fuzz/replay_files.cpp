@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads every file of a corpus without a fuzzer: replay_fuzz_files FOLDER, with an archive for each
-// format (nrrd.zip).
+// Reads every file of a corpus without a fuzzer: replay_fuzz_files FOLDER. The folder has an
+// archive for each format (nrrd.zip).
 #include <zip.h>
 
 #include <algorithm>
@@ -57,9 +57,9 @@ Counts replay(const fs::path& path) {
   Counts counts;
   for (std::uint64_t entry = 0; entry < archive.size(); ++entry) {
     std::fprintf(stderr, "%s %s\n", path.filename().c_str(),
-                 archive.name(entry).c_str());  // the last one before a crash is the one
+                 archive.name(entry).c_str());  // the last name before a crash is the cause
     const std::string wrong =
-        isoatlas::detail::test::what_is_wrong_with_file(format, archive.bytes(entry));
+        isoatlas::detail::test::find_problem_in_file(format, archive.bytes(entry));
     if (!wrong.empty()) std::fprintf(stderr, "WRONG: %s\n", wrong.c_str());
     ++counts.files;
     counts.wrong += wrong.empty() ? 0 : 1;

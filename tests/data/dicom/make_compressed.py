@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the compressed DICOM files of this folder: one enhanced CT of three frames, 12 bits stored of 16, in every compression.
+"""Writes the compressed DICOM files of this folder.
 
-Needs pydicom and numpy, gdcmconv (libgdcm-tools) and dcmtk. `plain.dcm` is the same image without compression.
+They hold one enhanced CT of three frames, 12 bits stored of 16, in every compression that isoatlas
+reads. `plain.dcm` is the same image without compression. Requires pydicom, numpy, gdcmconv
+(libgdcm-tools) and dcmtk.
 """
 import pathlib
 import subprocess
@@ -25,23 +27,29 @@ def sequence(**attributes):
 
 def image():
     y, x = np.mgrid[0:20, 0:24]
-    frames = np.stack([1800 + 1700 * np.sin(x / 5 + z) * np.cos(y / 4) for z in range(3)]).astype("<u2")
+    frames = [1800 + 1700 * np.sin(x / 5 + z) * np.cos(y / 4) for z in range(3)]
+    frames = np.stack(frames).astype("<u2")
     d = Dataset()
     d.file_meta = FileMetaDataset()
     d.file_meta.MediaStorageSOPClassUID = d.SOPClassUID = "1.2.840.10008.5.1.4.1.1.2.1"
     d.file_meta.MediaStorageSOPInstanceUID = d.SOPInstanceUID = "1.2.826.0.1.3680043.2.1125.8.1"
     d.file_meta.TransferSyntaxUID = "1.2.840.10008.1.2.1"
     d.is_little_endian, d.is_implicit_VR = True, False
-    d.Modality, d.StudyInstanceUID, d.SeriesInstanceUID = "CT", "1.2.826.0.1.3680043.2.1125.8", "1.2.826.0.1.3680043.2.1125.8.2"
+    d.Modality = "CT"
+    d.StudyInstanceUID = "1.2.826.0.1.3680043.2.1125.8"
+    d.SeriesInstanceUID = "1.2.826.0.1.3680043.2.1125.8.2"
     d.PatientName, d.PatientID, d.InstanceNumber = "", "", "1"
     d.SamplesPerPixel, d.PhotometricInterpretation, d.NumberOfFrames = 1, "MONOCHROME2", 3
-    d.Rows, d.Columns, d.BitsAllocated, d.BitsStored, d.HighBit, d.PixelRepresentation = 20, 24, 16, 12, 11, 0
+    d.Rows, d.Columns = 20, 24
+    d.BitsAllocated, d.BitsStored, d.HighBit, d.PixelRepresentation = 16, 12, 11, 0
+    rescale = sequence(RescaleSlope="1", RescaleIntercept="-1024", RescaleType="HU")
     shared = sequence(PlaneOrientationSequence=sequence(ImageOrientationPatient=[1, 0, 0, 0, 1, 0]),
                       PixelMeasuresSequence=sequence(PixelSpacing=["0.75", "0.5"]),
-                      PixelValueTransformationSequence=sequence(RescaleSlope="1", RescaleIntercept="-1024", RescaleType="HU"))
+                      PixelValueTransformationSequence=rescale)
     d.SharedFunctionalGroupsSequence = shared
+    positions = [sequence(ImagePositionPatient=[0, 0, 2 * z]) for z in range(3)]
     d.PerFrameFunctionalGroupsSequence = [
-        sequence(PlanePositionSequence=sequence(ImagePositionPatient=[0, 0, 2 * z]))[0] for z in range(3)]
+        sequence(PlanePositionSequence=position)[0] for position in positions]
     d.PixelData = frames.tobytes()
     return d
 
@@ -51,7 +59,7 @@ def run(*command):
 
 
 def fragmented(source, target, with_offsets):
-    """Each frame in pieces of 200 bytes, with a basic offset table or without one."""
+    """Writes each frame in fragments of 200 bytes, with or without a basic offset table."""
     d = pydicom.dcmread(source)
     frames = [b"".join(fragments) for fragments in generate_pixel_data(d.PixelData)]
     data, offsets = b"", []

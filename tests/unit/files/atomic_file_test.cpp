@@ -54,7 +54,7 @@ TEST(AtomicFile, DevicesAreWrittenNotReplaced) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST(AtomicFile, SaysWhyItCannotBeWritten) {
+TEST(AtomicFile, ReportsWhyItCannotBeWritten) {
   const TempFolder folder;
   fs::create_directory(folder / "sub");
   expect_error(ErrorCode::bad_file, "it is a folder", folder / "sub",
@@ -78,7 +78,7 @@ TEST(AtomicFile, FolderWithoutPermission) {
   fs::permissions(folder.path(), fs::perms::owner_all);
 }
 
-// A limit on the size of files stands in for a full disk: write() fails in the same way, half way
+// Simulates a full disk by a limit on the size of files: write() fails in the same way, half way
 // through.
 class FileSizeLimit {
  public:

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array kFormats{".glb", ".vtm"};
 
-// Every triangle becomes four; new vertices come after the old ones, on the unit sphere.
+// Splits every triangle into four. New vertices are on the unit sphere, after the old vertices.
 std::vector<Triangle> subdivided(const std::vector<Triangle>& triangles,
                                  std::vector<Vec3>& positions) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
@@ -54,7 +54,7 @@ struct Shape {
   double scale = 10;
 };
 
-// A sphere, or the upper half of one, in three nested levels.
+// A sphere or its upper half, in three nested levels.
 Hierarchy sphere(const Shape& shape) {
   Hierarchy hierarchy;
   std::vector<Vec3>& positions = hierarchy.positions;
@@ -68,7 +68,7 @@ Hierarchy sphere(const Shape& shape) {
     if (level > 0) triangles = subdivided(triangles, positions);
     hierarchy.levels.push_back({static_cast<std::uint32_t>(positions.size()), triangles, {}, {}});
     for (std::size_t v = 0; v < positions.size() && !(shape.is_open && level == 0);
-         ++v)  // level 0 of the open ones was not measured
+         ++v)  // level 0 of the open shapes has no distances
       hierarchy.levels.back().distance.push_back(0.1f * static_cast<float>(v) /
                                                  static_cast<float>(level + 1));
   }
@@ -126,7 +126,7 @@ void expect_same(const HierarchyFile& read, const Hierarchy& hierarchy,
     EXPECT_EQ(mesh_topology(read.hierarchy.mesh(k)).components,
               mesh_topology(hierarchy.mesh(k)).components);
     EXPECT_EQ(nlohmann::json::parse(read.info.levels[k]), nlohmann::json::parse(info.levels[k]));
-    // Nested levels stay so, bit by bit: none needs positions of its own.
+    // Nested levels stay nested with equal bits, so no level needs positions of its own.
     EXPECT_TRUE(info.placement == Placement::balanced ||
                 read.hierarchy.levels[k].own_positions.empty());
   }
@@ -210,7 +210,8 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
     EXPECT_EQ(model.extensionsUsed,
               shape.is_open ? std::vector<std::string>{"MSFT_lod"}
                             : (std::vector<std::string>{"EXT_mesh_manifold", "MSFT_lod"}));
-    EXPECT_TRUE(model.extensionsRequired.empty());  // others show the finest level
+    EXPECT_TRUE(
+        model.extensionsRequired.empty());  // programs without the extension show the finest level
     ASSERT_EQ(model.scenes.size(), 1U);
     EXPECT_EQ(model.scenes[0].nodes, std::vector<int>{0});
     const tinygltf::Value& ids = model.nodes[0].extensions.at("MSFT_lod").Get("ids");
@@ -237,7 +238,7 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
       EXPECT_EQ(positions.minValues.size() + positions.maxValues.size(), 6U);
       EXPECT_EQ(model.bufferViews[positions.bufferView].byteStride, 12U);
       position_views.insert(positions.bufferView);
-      // The sphere's own normals, but for its rim.
+      // The normals of the sphere, except at its boundary.
       const tinygltf::BufferView& view = model.bufferViews[normals.bufferView];
       for (std::size_t v = 0; !shape.is_open && !shape.is_balanced && v < normals.count; ++v) {
         float n[3];
@@ -253,11 +254,11 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
   }
 }
 
-// The extension's rules: the manifold primitive has the positions and nothing else, from the same
-// accessor, and no material.
-TEST(HierarchyFiles, ClosedLevelsOfAGlbSayThatTheyAreManifolds) {
+// The rules of the extension: the manifold primitive has only positions, from the same accessor,
+// and no material.
+TEST(HierarchyFiles, ClosedLevelsOfAGlbAreMarkedAsManifolds) {
   Hierarchy hierarchy = sphere({});
-  hierarchy.levels[1].triangles.pop_back();  // open, among closed ones
+  hierarchy.levels[1].triangles.pop_back();  // open; the other levels are closed
   const TempFolder folder;
   write_hierarchy(hierarchy, folder / "a.glb");
   const tinygltf::Model model = load(folder / "a.glb");
@@ -269,7 +270,7 @@ TEST(HierarchyFiles, ClosedLevelsOfAGlbSayThatTheyAreManifolds) {
     if (found == mesh.extensions.end()) continue;
     const tinygltf::Value& manifold = found->second.Get("manifoldPrimitive");
     EXPECT_EQ(found->second.Keys(),
-              std::vector<std::string>{"manifoldPrimitive"});  // nothing to merge
+              std::vector<std::string>{"manifoldPrimitive"});  // and no list of merged vertices
     EXPECT_EQ(manifold.Keys(), (std::vector<std::string>{"attributes", "indices", "mode"}));
     EXPECT_EQ(manifold.Get("attributes").Keys(), std::vector<std::string>{"POSITION"});
     EXPECT_EQ(manifold.Get("attributes").Get("POSITION").GetNumberAsInt(),
@@ -289,7 +290,7 @@ TEST(HierarchyFiles, GlbOfOneOpenLevelNeedsNoExtension) {
   EXPECT_EQ(model.nodes.size(), 1U);
   EXPECT_EQ(read_hierarchy(folder / "a.glb").info.levels.size(), 0U);
   EXPECT_EQ(read_hierarchy(folder / "a.glb").hierarchy.positions.size(),
-            5U);  // no others are in it
+            5U);  // the file has no others
 }
 
 TEST(HierarchyFiles, LargeCoordinatesGetATranslation) {
@@ -299,7 +300,7 @@ TEST(HierarchyFiles, LargeCoordinatesGetATranslation) {
   const StoredPositions stored = write_hierarchy(hierarchy, folder / "a.glb", info_of(shape));
   EXPECT_EQ(stored.largest_rounding, rounding_of_hierarchy_file(hierarchy, folder / "a.glb"));
   EXPECT_LT(stored.largest_rounding,
-            2e-8);  // the translation is a float too: up to 0.125 of it stays in the positions
+            2e-8);  // the translation is float too, so up to 0.125 remains in the positions
   const tinygltf::Model model = load(folder / "a.glb");
   for (const tinygltf::Node& node : model.nodes) {
     ASSERT_EQ(node.translation.size(), 3U);
@@ -313,7 +314,7 @@ TEST(HierarchyFiles, LargeCoordinatesGetATranslation) {
   EXPECT_FALSE(fs::exists(folder / "a.stl"));
 }
 
-TEST(HierarchyFiles, VerticesThatFloatsCannotTellApartAreRefused) {
+TEST(HierarchyFiles, VerticesThatWouldBecomeEqualAsFloatsAreRefused) {
   const TempFolder folder;
   Hierarchy hierarchy = sphere({});
   hierarchy.positions[40] = hierarchy.positions[20];
@@ -323,12 +324,12 @@ TEST(HierarchyFiles, VerticesThatFloatsCannotTellApartAreRefused) {
                folder / "a.glb", [&] { write_hierarchy(hierarchy, folder / "a.glb"); });
   EXPECT_EQ(read_bytes(folder / "a.glb"), "old");
   EXPECT_EQ(folder.file_count(), 1U);
-  write_hierarchy(hierarchy, folder / "a.vtm");  // doubles can
-  // At one position from the start: nothing was merged by the file, and the indices keep them
-  // apart.
+  write_hierarchy(hierarchy, folder / "a.vtm");  // doubles keep them apart
+  // Vertices that are equal from the start are allowed: the file merges nothing, and the indices
+  // keep them apart.
   hierarchy.positions[40] = hierarchy.positions[20];
   write_hierarchy(hierarchy, folder / "a.glb");
-  // A mesh whose details are smaller than floats, without any two vertices falling together.
+  // A mesh with details smaller than the float spacing, in which no two vertices become equal.
   Hierarchy flat = sphere({.middle = {0, 0, 0}, .scale = 1e-6});
   for (std::size_t v = 0; v < flat.positions.size(); ++v) flat.positions[v].z += v < 6 ? 0 : 100;
   flat.levels.erase(flat.levels.begin(), flat.levels.begin() + 2);
@@ -378,9 +379,9 @@ TEST(HierarchyFiles, WrongLevelsAreNotWritten) {
     hierarchy = sphere({});
     hierarchy.levels[1].distance[4] = -0.5F;
     refuse("level 1: the distance of vertex 4", hierarchy);
-    refuse("2 texts for 3 levels", sphere({}),
+    refuse("2 JSON texts for 3 levels", sphere({}),
            {.mesh = {}, .placement = {}, .levels = {"{}", "{}"}});
-    refuse("level 1: what is said", sphere({}),
+    refuse("level 1: its JSON text is not", sphere({}),
            {.mesh = {}, .placement = {}, .levels = {"{}", "[1]", "{}"}});
     EXPECT_EQ(folder.file_count(), 0U);
   }
@@ -393,7 +394,7 @@ TEST(HierarchyFiles, PathIsCheckedBeforeTheWork) {
   expect_error(ErrorCode::bad_file, "no folder", folder / "none/a.glb",
                [&] { check_hierarchy_path(folder / "none/a.glb", 1); });
   write_bytes(folder / "file", "x");
-  expect_error(ErrorCode::bad_file, "is no folder", folder / "file.vtm",
+  expect_error(ErrorCode::bad_file, "is not a folder", folder / "file.vtm",
                [&] { check_hierarchy_path(folder / "file.vtm", 1); });
   fs::create_directories(folder / "a/a_1.vtp");
   check_hierarchy_path(folder / "a.vtm", 1);
@@ -429,7 +430,8 @@ TEST(HierarchyFiles, FullDiskIsAnErrorAndLeavesNothing) {
   }
 }
 
-// Cut or with a byte changed: an Error or levels, never a crash; a cut .glb is always an Error.
+// A file that is cut or has one byte changed gives an Error or levels, never a crash; a cut .glb
+// always gives an Error.
 TEST(HierarchyFiles, DamagedFiles) {
   std::mt19937 random(11);
   const TempFolder folder;
@@ -440,7 +442,7 @@ TEST(HierarchyFiles, DamagedFiles) {
     write_bytes(path, whole.substr(0, random() % whole.size()));
     EXPECT_THROW(read_hierarchy(path), Error);
     std::string changed = whole;
-    // Half of them in the JSON, where a byte does most harm.
+    // Half of the changes are in the JSON, where they have the most effect.
     changed[random() % (i % 2 == 0 ? whole.size() : 3000)] = static_cast<char>(random());
     write_bytes(path, changed);
     try {
@@ -453,7 +455,7 @@ TEST(HierarchyFiles, DamagedFiles) {
   }
 }
 
-TEST(HierarchyFiles, DistancesThatAreNoneAreRefused) {
+TEST(HierarchyFiles, InvalidDistancesAreRefused) {
   const TempFolder folder;
   const fs::path path = folder / "a.glb";
   Hierarchy hierarchy = sphere({});
@@ -486,13 +488,13 @@ TEST(HierarchyFiles, AnyFileWithMeshesIsRead) {
   EXPECT_EQ(one.info.mesh.space, "lps");
   expect_error(ErrorCode::bad_file, "no such file", folder / "none.xyz",
                [&] { read_levels(folder / "none.xyz"); });
-  for (const auto& [blocks, says] : {std::pair{"<DataSet index='0'/>", "its block 0 is empty"},
-                                     {"<Block index='0'/>", "blocks within blocks"}}) {
+  for (const auto& [blocks, message] : {std::pair{"<DataSet index='0'/>", "its block 0 is empty"},
+                                        {"<Block index='0'/>", "blocks within blocks"}}) {
     write_bytes(
         folder / "b.vtm",
         std::string("<VTKFile type='vtkMultiBlockDataSet' version='1.0'><vtkMultiBlockDataSet>") +
             blocks + "</vtkMultiBlockDataSet></VTKFile>");
-    expect_error(ErrorCode::unsupported, says, folder / "b.vtm",
+    expect_error(ErrorCode::unsupported, message, folder / "b.vtm",
                  [&] { read_levels(folder / "b.vtm"); });
   }
   write_bytes(folder / "a.xyz", "x");
@@ -504,7 +506,7 @@ TEST(HierarchyFiles, LevelsThatAreNotNestedAreRead) {
   const TempFolder folder;
   const Shape shape{.is_balanced = true};
   HierarchyFileInfo info = info_of(shape);
-  info.placement = Placement::surface;  // which is not so
+  info.placement = Placement::surface;  // which is false for these levels
   write_hierarchy(sphere(shape), folder / "a.glb", info);
   const HierarchyFile file = read_hierarchy(folder / "a.glb");
   EXPECT_EQ(file.info.placement, Placement::surface);
@@ -512,7 +514,7 @@ TEST(HierarchyFiles, LevelsThatAreNotNestedAreRead) {
   EXPECT_TRUE(file.hierarchy.levels[2].own_positions.empty());
 }
 
-/// A .glb with its JSON changed.
+/// A .glb file with changed JSON.
 std::string with_json(const std::string& glb, const std::function<void(nlohmann::json&)>& change) {
   const auto number = [](std::size_t value) {
     const auto narrow = static_cast<std::uint32_t>(value);
@@ -529,7 +531,7 @@ std::string with_json(const std::string& glb, const std::function<void(nlohmann:
          glb.substr(16, 4) + text + rest;
 }
 
-// A required extension may change where vertices are, or how they are stored.
+// A required extension may move vertices or store them differently.
 TEST(HierarchyFiles, GlbThatNeedsAnExtensionIsRefusedByItsName) {
   const TempFolder folder;
   write_hierarchy(sphere({}), folder / "a.glb", info_of({}));
@@ -551,10 +553,10 @@ TEST(HierarchyFiles, GlbOfOtherKindsOfMeshesIsRefused) {
   const TempFolder folder;
   write_hierarchy(sphere({}), folder / "a.glb", info_of({}));
   const std::string whole = read_bytes(folder / "a.glb");
-  const auto refused = [&](const std::string& says,
+  const auto refused = [&](const std::string& message,
                            const std::function<void(nlohmann::json&)>& change) {
     write_bytes(folder / "b.glb", with_json(whole, change));
-    expect_error(ErrorCode::unsupported, says, folder / "b.glb",
+    expect_error(ErrorCode::unsupported, message, folder / "b.glb",
                  [&] { read_levels(folder / "b.glb"); });
   };
   const auto primitive = [](nlohmann::json& json) -> nlohmann::json& {
@@ -563,9 +565,10 @@ TEST(HierarchyFiles, GlbOfOtherKindsOfMeshesIsRefused) {
   const auto positions = [&](nlohmann::json& json) -> nlohmann::json& {
     return json["accessors"][primitive(json)["attributes"]["POSITION"].get<std::size_t>()];
   };
-  refused("no list of triangles",
+  refused("not a list of triangles",
           [&](nlohmann::json& json) { primitive(json)["mode"] = 5; });  // a strip
-  refused("no list of triangles", [&](nlohmann::json& json) { primitive(json).erase("indices"); });
+  refused("not a list of triangles",
+          [&](nlohmann::json& json) { primitive(json).erase("indices"); });
   refused("has a mesh of 2 primitives", [&](nlohmann::json& json) {
     json["meshes"][0]["primitives"].push_back(primitive(json));
   });
@@ -576,7 +579,7 @@ TEST(HierarchyFiles, GlbOfOtherKindsOfMeshesIsRefused) {
                                  {"indices", {{"bufferView", 0}, {"componentType", 5125}}},
                                  {"values", {{"bufferView", 0}}}};
   });
-  write_bytes(folder / "b.glb", "{\"asset\": {\"version\": \"2.0\"}}");  // the text form
+  write_bytes(folder / "b.glb", "{\"asset\": {\"version\": \"2.0\"}}");  // glTF as text
   expect_error(ErrorCode::bad_file, "is not a binary glTF file", folder / "b.glb",
                [&] { read_levels(folder / "b.glb"); });
   write_bytes(folder / "b.glb", with_json(whole, [](nlohmann::json& json) {
@@ -586,7 +589,7 @@ TEST(HierarchyFiles, GlbOfOtherKindsOfMeshesIsRefused) {
                [&] { read_levels(folder / "b.glb"); });
 }
 
-// Other programs put a mesh under nodes of their own, beside cameras, and write transforms that
+// Other programs place a mesh under their own nodes, next to cameras, and write transforms that
 // change nothing.
 TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
   const TempFolder folder;
@@ -637,7 +640,7 @@ TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
                 under_a_parent(json);
                 json["nodes"][json["nodes"].size() - 2]["children"] = {json["nodes"].size() - 2};
               }));
-  expect_error(ErrorCode::bad_file, "below itself", folder / "b.glb",
+  expect_error(ErrorCode::bad_file, "its own ancestor", folder / "b.glb",
                [&] { read_hierarchy(folder / "b.glb"); });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// .3mf: what lib3mf, an independent reader, finds in our files; what other programs write; damaged
-// packages.
+// .3mf: written files as lib3mf, an independent reader, reads them; files as other programs write
+// them; damaged packages.
 #include <gtest/gtest.h>
 #include <Model/COM/NMR_DLLInterfaces.h>
 
@@ -28,7 +28,7 @@ TriangleMesh open_tetrahedron() {
   return mesh;
 }
 
-// What lib3mf reads, in its strict mode: any warning is an error.
+// The model as lib3mf reads it in its strict mode, in which every warning is an error.
 struct Lib3mfModel {
   TriangleMesh mesh;
   DWORD unit = 0, type = 0, items = 0;
@@ -86,7 +86,7 @@ TEST(Mesh3mf, Lib3mfReadsTheSameMesh) {
   EXPECT_EQ(model.items, 1U);
   EXPECT_EQ(model.mesh.triangles, tetrahedron().triangles);
   ASSERT_EQ(model.mesh.positions.size(), 4U);
-  for (std::size_t v = 0; v < 4; ++v) {  // which lib3mf keeps as floats
+  for (std::size_t v = 0; v < 4; ++v) {  // lib3mf keeps them as floats
     const Vec3 a = model.mesh.positions[v], b = tetrahedron().positions[v];
     EXPECT_LE(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), 1e-3);
   }
@@ -125,7 +125,8 @@ TEST(Mesh3mf, UnitsAreThoseOf3mf) {
     TriangleMesh read = read_mesh(path);
     EXPECT_EQ(mesh_file_info(path).unit, stored.unit);
     for (std::size_t v = 0; v < 4; ++v)
-      EXPECT_EQ(read.positions[v].x, tetrahedron().positions[v].x / row.scale);  // divided once
+      EXPECT_EQ(read.positions[v].x,
+                tetrahedron().positions[v].x / row.scale);  // exact: one division
     if (row.unit == LengthUnit::unknown) continue;
     convert_unit(read, stored.unit, row.unit);
     EXPECT_NEAR(read.positions[1].x, 1234.1, 1e-12);
@@ -149,7 +150,7 @@ TEST(Mesh3mf, OpenMeshesAreSurfaces) {
 TEST(Mesh3mf, BytesDependOnTheMeshAlone) {
   const TempFolder folder;
   write_mesh(tetrahedron(), folder / "a.3mf");
-  ASSERT_EQ(setenv("TZ", "Pacific/Kiritimati", 1), 0);  // archives have local times
+  ASSERT_EQ(setenv("TZ", "Pacific/Kiritimati", 1), 0);  // archives store local times
   tzset();
   write_mesh(tetrahedron(), folder / "b.3mf");
   unsetenv("TZ");
@@ -191,8 +192,8 @@ std::string model_of(const std::string& resources, const std::string& build,
 TEST(Mesh3mf, ComponentsAndTransforms) {
   const TempFolder folder;
   const fs::path path = folder / "a.3mf";
-  // Object 2 is object 1 twice: moved, and mirrored in x; the item scales both. Object 3 is not
-  // built.
+  // Object 2 has object 1 twice: moved, and mirrored in x; the item scales both. Object 3 is not
+  // part of the build.
   write_package(
       path,
       model_of(
@@ -207,9 +208,8 @@ TEST(Mesh3mf, ComponentsAndTransforms) {
   EXPECT_EQ(mesh.positions,
             (std::vector<Vec3>{
                 {21, 40, 60}, {23, 40, 60}, {21, 42, 60}, {1, 0, 0}, {-1, 0, 0}, {1, 2, 0}}));
-  EXPECT_EQ(
-      mesh.triangles,
-      (std::vector<Triangle>{{0, 1, 2}, {3, 5, 4}}));  // the mirrored one faces the same way still
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{
+                                {0, 1, 2}, {3, 5, 4}}));  // the mirrored copy keeps its orientation
   EXPECT_EQ(mesh_file_info(path).unit, LengthUnit::inch);
   EXPECT_EQ(mesh_space(path), "");
   write_package(path, model_of(object("1", kMesh), "<item objectid='1'/>"), "geometry/part.model",
@@ -218,8 +218,7 @@ TEST(Mesh3mf, ComponentsAndTransforms) {
   EXPECT_EQ(mesh_file_info(path).unit, LengthUnit::millimetre);  // the default of the specification
 }
 
-// The core elements have a prefix of their own, and the extensions that the file needs are about
-// colours only.
+// The core elements have a prefix, and the required extensions concern colours only.
 TEST(Mesh3mf, NamespacePrefixes) {
   const TempFolder folder;
   const fs::path path = folder / "a.3mf";
@@ -249,7 +248,7 @@ TEST(Mesh3mf, NamespacePrefixes) {
 
 TEST(Mesh3mf, BadPackagesGiveOneLine) {
   struct Bad {
-    std::string model, says;
+    std::string model, message;
     ErrorCode code = ErrorCode::bad_file;
   };
   const std::string item = "<item objectid='1'/>";
@@ -265,7 +264,7 @@ TEST(Mesh3mf, BadPackagesGiveOneLine) {
     bomb += object(std::to_string(i), "<components>" + ten + "</components>");
   }
   const std::vector<Bad> rows{
-      {"<model", "is no XML"},
+      {"<model", "is not XML"},
       {"<x/>", "has no model"},
       {model_of("", ""), "no triangles"},
       {model_of(object("2", kMesh), item), "has no object 1"},
@@ -300,10 +299,10 @@ TEST(Mesh3mf, BadPackagesGiveOneLine) {
       {model_of(bomb, "<item objectid='29'/>"), "used too often"},
   };
   for (const Bad& row : rows) {
-    SCOPED_TRACE(row.says);
+    SCOPED_TRACE(row.message);
     const TempFolder folder;
     write_package(folder / "a.3mf", row.model);
-    expect_error(row.code, row.says, folder / "a.3mf", [&] { read_mesh(folder / "a.3mf"); });
+    expect_error(row.code, row.message, folder / "a.3mf", [&] { read_mesh(folder / "a.3mf"); });
   }
   const TempFolder folder;
   write_bytes(folder / "b.3mf", "no archive");
@@ -317,7 +316,8 @@ TEST(Mesh3mf, BadPackagesGiveOneLine) {
                [&] { read_mesh(folder / "d.3mf"); });
 }
 
-// Cut or with a byte changed: an error, or the mesh itself where the byte is one that nobody reads.
+// A package that is cut or has one byte changed gives an error, or the mesh itself if the byte is
+// never read.
 TEST(Mesh3mf, DamagedPackages) {
   const TempFolder folder;
   const fs::path path = folder / "a.3mf";
@@ -333,24 +333,25 @@ TEST(Mesh3mf, DamagedPackages) {
     changed[random() % whole.size()] = static_cast<char>(random());
     write_bytes(path, changed);
     try {
-      EXPECT_EQ(read_mesh(path).positions, tetrahedron().positions);  // the archive has a checksum
+      EXPECT_EQ(read_mesh(path).positions,
+                tetrahedron().positions);  // the checksum of the archive is verified
     } catch (const Error& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     }
   }
 }
 
-TEST(Mesh3mf, LargePromisesAreNotAllocated) {
+TEST(Mesh3mf, LargeStatedSizesAreNotAllocated) {
   const TempFolder folder;
   const fs::path path = folder / "a.3mf";
   write_package(path, std::string(std::size_t{1} << 20, ' '));
   std::string bytes = read_bytes(path);
   const std::string size("\0\0\x10\0", 4),
-      huge("\0\0\0\xF0", 4);  // of the part, little endian, in two headers
+      huge("\0\0\0\xF0", 4);  // size of the part, little endian, in two headers
   for (std::size_t at = bytes.find(size); at != std::string::npos; at = bytes.find(size, at + 4))
     bytes.replace(at, 4, huge);
   write_bytes(path, bytes);
-  expect_error(ErrorCode::bad_file, "promises 4026531840 bytes", path, [&] { read_mesh(path); });
+  expect_error(ErrorCode::bad_file, "states 4026531840 bytes", path, [&] { read_mesh(path); });
 }
 
 }  // namespace

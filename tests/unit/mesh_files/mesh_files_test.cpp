@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kFormats{".ply", ".stl", ".obj", ".off", ".vtp", ".3mf", ".gii"};
 constexpr std::array kDoubleFormats{".ply", ".obj", ".off", ".vtp", ".3mf"};
 
-// An octahedron far from the origin, with coordinates that need all digits of a double.
+// An octahedron far from the origin; its coordinates need all digits of a double.
 TriangleMesh octahedron() {
   const Vec3 c{1000.1, -2000.2 / 3, 1e-5 / 7};
   TriangleMesh mesh;
@@ -57,8 +57,8 @@ TEST(MeshFiles, StlKeepsFloatsAndTheOrderOfTriangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& a = read.positions[read.triangles[t][k]];
       const Vec3& b = mesh.positions[mesh.triangles[t][k]];
-      // As floats: g++ 12 with -O2 does not round a double that is cast to float and compared as
-      // double.
+      // Compared as floats: g++ 12 with -O2 does not round a double that is cast to float and then
+      // compared as double.
       const std::array<float, 3> rounded{static_cast<float>(b.x), static_cast<float>(b.y),
                                          static_cast<float>(b.z)};
       EXPECT_EQ((std::array<float, 3>{static_cast<float>(a.x), static_cast<float>(a.y),
@@ -94,7 +94,7 @@ TEST(MeshFiles, CommentCannotAddLines) {
   }
 }
 
-// What is known of rounding before a file is written is what reading it back finds.
+// The rounding stated before a file is written equals the rounding found by reading it back.
 TEST(MeshFiles, RoundingIsKnownBefore) {
   const TempFolder folder;
   for (const LengthUnit unit :
@@ -114,7 +114,7 @@ TEST(MeshFiles, StlThatWouldMergeVerticesIsNotWritten) {
   const TempFolder folder;
   TriangleMesh mesh = octahedron();
   mesh.positions.push_back(mesh.positions[2]);
-  mesh.positions.back().x += 1e-6;  // less than a float at 1000 can tell
+  mesh.positions.back().x += 1e-6;  // less than the spacing of floats near 1000
   mesh.triangles.push_back({0, 1, 6});
   const auto path = folder / "mesh.stl";
   write_bytes(path, "old");
@@ -161,7 +161,7 @@ TEST(MeshFiles, PathIsCheckedBeforeTheWork) {
   EXPECT_EQ(read_bytes(folder / "there.ply"), "old");
 }
 
-TEST(MeshFiles, WhatIsRefusedIsNotWhatIsExpected) {
+TEST(MeshFiles, ErrorsDoNotListTheRefusedFormat) {
   const TempFolder folder;
   for (const char* name : {"a.glb", "a.vtm", "a.xyz"}) {
     write_bytes(folder / name, "x");
@@ -176,7 +176,7 @@ TEST(MeshFiles, WhatIsRefusedIsNotWhatIsExpected) {
   }
 }
 
-// What other programs write.
+// Files as other programs write them.
 
 TriangleMesh read_text(const std::string& name, const std::string& text) {
   const TempFolder folder;
@@ -245,7 +245,7 @@ TEST(MeshFiles, OffVariants) {
           .triangles,
       (std::vector<Triangle>{{0, 1, 2}}));
   EXPECT_THROW(read_text("a.off", "4OFF\n" + body),
-               Error);  // four coordinates, the last of which divides the others
+               Error);  // homogeneous coordinates are not read
   EXPECT_THROW(read_text("a.off", "nOFF\n3\n" + body), Error);
   EXPECT_THROW(read_text("a.off", "OFF BINARY\n" + body), Error);
 }
@@ -278,7 +278,7 @@ TEST(MeshFiles, BinaryStlThatStartsWithSolid) {
   write_bytes(folder / "a.stl", bytes);
   EXPECT_EQ(read_mesh(folder / "a.stl").triangles.size(), 8U);
   write_bytes(folder / "a.stl", bytes + "more");
-  expect_error(ErrorCode::bad_file, "promises 8 triangles", folder / "a.stl",
+  expect_error(ErrorCode::bad_file, "states 8 triangles", folder / "a.stl",
                [&] { read_mesh(folder / "a.stl"); });
 }
 
@@ -313,7 +313,8 @@ TEST(MeshFiles, VtpStripsAndPolygonsBecomeTriangles) {
       Error);
 }
 
-// A closed prism over an L, whose polygons start at a corner from which a fan leaves the polygon.
+// A closed prism over an L-shaped polygon; its polygons begin at a corner whose fan leaves the
+// polygon.
 TEST(MeshFiles, ConcavePolygonsAreCutInside) {
   const std::string faces =
       "f 2 3 4 5 6 1\nf 8 7 12 11 10 9\nf 1 7 8 2\nf 2 8 9 3\nf 3 9 10 4\nf 4 10 11 5\nf 5 11 12 "
@@ -322,7 +323,8 @@ TEST(MeshFiles, ConcavePolygonsAreCutInside) {
   for (const std::string z : {"1", "0"})
     for (const std::string xy : {"0 0", "2 0", "2 1", "1 1", "1 2", "0 2"})
       vertices += "v " + xy + " " + z + "\n";
-  for (const std::string& text : {vertices + faces, faces + vertices}) {  // faces may come first
+  for (const std::string& text :
+       {vertices + faces, faces + vertices}) {  // faces may precede the vertices
     const TriangleMesh mesh = read_text("l.obj", text);
     ASSERT_EQ(mesh.triangles.size(), 2U * 4 + 6 * 2);
     double volume = 0, area = 0;
@@ -395,7 +397,7 @@ TEST(MeshFiles, LinesThatEndInCarriageReturns) {
       "element face 1\nproperty list uchar uchar vertex_indices\nend_header\n");
   const TriangleMesh mesh = read_text(
       "a.ply",
-      ply + std::string("\n\r\r\1\2\3\1\2\4\3\0\1\2", 13));  // values that look like line ends
+      ply + std::string("\n\r\r\1\2\3\1\2\4\3\0\1\2", 13));  // values whose bytes are line ends
   EXPECT_EQ(mesh.positions[0], (Vec3{10, 13, 13}));
 }
 
@@ -406,7 +408,7 @@ TEST(MeshFiles, NumbersBelowTheSmallestDoubleAreZero) {
 }
 
 struct BadMesh {
-  std::string name, text, says;
+  std::string name, text, message;
 };
 
 TEST(MeshFiles, BadFilesGiveOneLine) {
@@ -426,7 +428,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
        "too short"},
       {"text.ply", ply + ply_faces + "0 0 0\n0 1 x\n", "line 11: found 'x', expected a number"},
       {"large.obj", "v 0 0 1e400\n", "line 1: found '1e400'"},
-      {"short.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1\n", "more data was promised"},
+      {"short.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1\n", "expected more data"},
       {"range.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1 3\n", "triangle 0 uses vertex 3"},
       {"negative.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1 -1\n", "uses vertex"},
       {"nan.ply", ply + ply_faces + "0 0 0\n0 nan 0\n1 0 0\n3 0 1 2\n", "vertex 1 is not finite"},
@@ -436,7 +438,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
            "0 0\n",
        "no z coordinate"},
       {"garbage.stl", "hello", "too short"},
-      {"count.stl", std::string(200, 'x'), "promises"},
+      {"count.stl", std::string(200, 'x'), "states"},
       {"cut.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n",
        "line 5: the file ends here"},
       {"four.stl",
@@ -456,8 +458,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
       {"garbage.off", "hello", "line 1: found 'hello', expected OFF"},
       {"promise.off", "OFF\n1000000000000 1 0\n0 0 0\n", "too short"},
       {"negative.off", "OFF\n-1 1 0\n0 0 0\n", "too short"},
-      {"cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0     \n#            ",
-       "more lines were promised"},
+      {"cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0     \n#            ", "expected more lines"},
       {"short.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1\n",
        "line 6: found '', expected a vertex number"},
       {"count.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n-4 3 2 1 0\n", "a face with -4 corners"},
@@ -468,7 +469,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
     const TempFolder folder;
     SCOPED_TRACE(file.name);
     write_bytes(folder / file.name, file.text);
-    expect_error(ErrorCode::bad_file, file.says, folder / file.name,
+    expect_error(ErrorCode::bad_file, file.message, folder / file.name,
                  [&] { read_mesh(folder / file.name); });
   }
   const TempFolder folder;
@@ -486,8 +487,8 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
                [&] { read_mesh(folder / "a.ply"); });
 }
 
-// Cut or with a byte changed: an Error or a mesh, never a crash; a cut binary file is always an
-// Error.
+// A file that is cut or has one byte changed gives an Error or a mesh, never a crash; a cut binary
+// file always gives an Error.
 TEST(MeshFiles, DamagedFiles) {
   std::mt19937 random(7);
   for (const char* extension : kFormats) {

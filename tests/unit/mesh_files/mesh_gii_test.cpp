@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// .gii: what is written, what other programs write, damaged files. tests/cli has nibabel read them
-// too, where it is there.
+// .gii: written files, files as other programs write them, and damaged files. tests/cli also reads
+// written files with nibabel, if it is installed.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -65,7 +65,7 @@ TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
                                        back * row.sign * p.y - given.y, back * p.z - given.z));
     }
     EXPECT_GT(stored.largest_rounding, 0);
-    EXPECT_NEAR(stored.largest_rounding, largest, 1e-12);  // in the unit of the mesh that was given
+    EXPECT_NEAR(stored.largest_rounding, largest, 1e-12);  // in the unit of the input mesh
     const MeshFileInfo info = mesh_file_info(path);
     EXPECT_EQ(info.space, row.read_space);
     EXPECT_EQ(info.unit, row.read_unit);
@@ -74,11 +74,11 @@ TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
     EXPECT_EQ(bytes.find("NIFTI_XFORM_SCANNER_ANAT") != std::string::npos, row.read_space == "RAS");
     EXPECT_NE(bytes.find("<Value>Closed</Value>"), std::string::npos);
     EXPECT_NE(bytes.find("<MatrixData>\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n</MatrixData>"),
-              std::string::npos);  // nibabel wants four lines
+              std::string::npos);  // nibabel requires four lines
   }
 }
 
-TEST(MeshGii, ThatWouldMergeVerticesIsNotWritten) {
+TEST(MeshGii, FileThatWouldMergeVerticesIsNotWritten) {
   const TempFolder folder;
   TriangleMesh mesh = tetrahedron();
   mesh.positions[0] = {100.25, 1e-50, 0};
@@ -87,8 +87,8 @@ TEST(MeshGii, ThatWouldMergeVerticesIsNotWritten) {
   EXPECT_EQ(folder.file_count(), 0U);
 }
 
-// ------------------------------------------------------------------------------------------------
-// of other programs
+// --------------------------------------------------------------------------- files of other
+// programs
 
 struct Array {
   std::string intent, type, encoding, data;
@@ -186,7 +186,7 @@ TEST(MeshGii, EncodingsOrdersAndTypes) {
                     .order = "ColumnMajorOrder"});
   std::string broken = io::to_base64(bytes_of(rows));
   for (std::size_t i = 8; i < broken.size(); i += 9)
-    broken.insert(i, "\n  ");  // lines of any length
+    broken.insert(i, "\n  ");  // line breaks at any place
   points.push_back({.intent = kPoints, .type = kFloat, .encoding = "Base64Binary", .data = broken});
   for (const Array& array : points) {
     SCOPED_TRACE(array.encoding + array.order + array.endian + array.type);
@@ -198,7 +198,7 @@ TEST(MeshGii, EncodingsOrdersAndTypes) {
 
 TEST(MeshGii, BadFilesGiveOneLine) {
   struct Bad {
-    std::string text, says;
+    std::string text, message;
     ErrorCode code = ErrorCode::bad_file;
   };
   const auto with = [](auto change) {
@@ -208,8 +208,8 @@ TEST(MeshGii, BadFilesGiveOneLine) {
   };
   const std::string rows = bytes_of(std::vector<float>(9, 1));
   const std::vector<Bad> all{
-      {"hello", "is no GIfTI file"},
-      {"<x/>", "is no GIfTI file"},
+      {"hello", "is not a GIfTI file"},
+      {"<x/>", "is not a GIfTI file"},
       {gifti({kTextPoints, kTextTriangle}).substr(0, 300), "damaged or cut off"},
       {gifti({kTextTriangle}), "no array of points", ErrorCode::unsupported},
       {gifti({kTextPoints}), "no array of triangles", ErrorCode::unsupported},
@@ -224,7 +224,7 @@ TEST(MeshGii, BadFilesGiveOneLine) {
        }),
        "expected rows of 3"},
       {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"9000000000\" Dim1=\"3\""; }),
-       "more than can be numbered"},
+       "expected at most 4294967295"},
       {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"-3\" Dim1=\"3\""; }),
        "expected rows of 3"},
       {with([](Array& a) { a.dims = "Dimensionality=\"1\" Dim0=\"9\""; }), "expected rows of 3"},
@@ -233,7 +233,7 @@ TEST(MeshGii, BadFilesGiveOneLine) {
       {with([&](Array& a) {
          a.encoding = "Base64Binary", a.data = io::to_base64(rows).substr(0, 44);
        }),
-       "36 bytes were promised, there are 33"},
+       "has 33 bytes of values, expected 36"},
       {with([&](Array& a) {
          a.encoding = kGzip, a.data = io::to_base64(deflated(rows)).substr(0, 12);
        }),
@@ -243,11 +243,11 @@ TEST(MeshGii, BadFilesGiveOneLine) {
       {with([&](Array& a) {
          a.encoding = kGzip, a.data = io::to_base64(deflated(rows.substr(0, 35)));
        }),
-       "promised, there are 35"},
+       "has 35 bytes of values, expected 36"},
       {with([&](Array& a) { a.encoding = kGzip, a.type = "NIFTI_TYPE_RGB24"; }),
        "type 'NIFTI_TYPE_RGB24'"},
       {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 nan"; }), "not finite"},
-      {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 8 9"; }), "has '9' behind its 9 numbers"},
+      {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 8 9"; }), "has '9' after its 9 numbers"},
       {gifti({kTextPoints,
               [] {
                 Array a = kTextTriangle;
@@ -271,10 +271,10 @@ TEST(MeshGii, BadFilesGiveOneLine) {
        "triangle 0 uses vertex"},
   };
   for (const Bad& row : all) {
-    SCOPED_TRACE(row.says);
+    SCOPED_TRACE(row.message);
     const TempFolder folder;
     write_bytes(folder / "a.gii", row.text);
-    expect_error(row.code, row.says, folder / "a.gii", [&] { read_mesh(folder / "a.gii"); });
+    expect_error(row.code, row.message, folder / "a.gii", [&] { read_mesh(folder / "a.gii"); });
   }
 }
 
@@ -284,7 +284,7 @@ TEST(MeshGii, DamagedFiles) {
   write_mesh(tetrahedron(), path);
   const std::string whole = read_bytes(path);
   for (std::size_t length = 0; length + 2 < whole.size();
-       length += 11) {  // without the last line break it is whole
+       length += 11) {  // a file without the last line break is complete
     write_bytes(path, whole.substr(0, length));
     EXPECT_THROW(read_mesh(path), Error) << length;
   }

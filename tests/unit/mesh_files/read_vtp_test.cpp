@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK XML poly data as VTK itself writes it, in all its encodings, and damaged.
+// VTK XML poly data as VTK writes it, in all its encodings, and damaged files.
 #include <gtest/gtest.h>
 #include <vtkCellArray.h>
 #include <vtkDoubleArray.h>
@@ -61,7 +61,7 @@ std::vector<Encoding> all_encodings() {
   return all;
 }
 
-// Points with few digits, which text keeps, enough for several compressed blocks, and
+// Points with few digits, which text keeps exactly, enough for several compressed blocks, and
 // quadrilaterals between them.
 vtkSmartPointer<vtkPolyData> grid_of_quadrilaterals(int side) {
   std::mt19937 random(3);
@@ -108,7 +108,7 @@ void write(vtkPolyData* data, const Encoding& encoding, const std::filesystem::p
   ASSERT_EQ(writer->Write(), 1);
 }
 
-// VTK's writer puts all of this data into each piece.
+// VTK's writer repeats all of this data in each piece.
 void expect_equal(const TriangleMesh& mesh, int pieces, vtkPolyData& data) {
   const auto points = static_cast<std::size_t>(data.GetNumberOfPoints());
   const auto polygons = static_cast<std::size_t>(data.GetNumberOfPolys());
@@ -212,15 +212,16 @@ TEST(ReadVtp, DamagedFilesGiveOneLine) {
       {"<VTKFile type=\"PolyData\"><PolyData>", "is cut off"},
       {"<VTKFile type=\"PolyData\"><PolyData></VTKFile>", "not well-formed XML"},
   };
-  for (const auto& [text, says] : files) {
+  for (const auto& [text, message] : files) {
     SCOPED_TRACE(text);
     const TempFolder folder;
     write_bytes(folder / "a.vtp", text);
-    expect_error(ErrorCode::bad_file, says, folder / "a.vtp", [&] { read_mesh(folder / "a.vtp"); });
+    expect_error(ErrorCode::bad_file, message, folder / "a.vtp",
+                 [&] { read_mesh(folder / "a.vtp"); });
   }
 }
 
-// 16 bytes of appended base64 promise an array of 2^39 bytes of text: VTK's reader allocated them.
+// 16 bytes of appended base64 state an array of 2^39 bytes of text, which VTK's reader allocated.
 TEST(ReadVtp, TextThatTheFileCannotHoldIsNotAllocated) {
   for (const std::string compressor : {"", " compressor=\"vtkZLibDataCompressor\""}) {
     const TempFolder folder;

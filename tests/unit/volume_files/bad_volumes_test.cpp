@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volume files that are wrong: each gives one clear line, none a volume of zeros, a crash or a
+// Invalid volume files: each gives one clear line, and never a volume of zeros, a crash or a long
 // wait.
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace isoatlas::detail::test {
 namespace {
 
-// 16 x 12 x 10 samples of noise, so that no compressor makes them small.
+// 16 x 12 x 10 samples of noise, which no compressor makes much smaller.
 constexpr std::size_t kSamples = 16 * 12 * 10;
 
 std::string noise() {
@@ -103,7 +103,7 @@ struct TiffPage {
   std::string samples;
 };
 
-// A little-endian TIFF, by hand: each page's samples, then its directory.
+// A little-endian TIFF, written by hand: each page's samples, followed by its directory.
 std::string tiff(const std::vector<TiffPage>& pages, std::uint32_t bits = 8,
                  std::uint32_t values_per_sample = 1) {
   std::string file("II*\0\0\0\0\0", 8);
@@ -166,17 +166,17 @@ struct BadFile {
   std::string name;
   std::string bytes;
   ErrorCode code;
-  std::string says;
+  std::string message;
 };
 
 void expect_all_errors(const std::vector<BadFile>& files) {
   for (const BadFile& file : files) {
     const TempFolder folder;
-    SCOPED_TRACE(file.name + ", " + file.says);
+    SCOPED_TRACE(file.name + ", " + file.message);
     write_bytes(folder / file.name, file.bytes);
     testing::internal::CaptureStderr();
     testing::internal::CaptureStdout();
-    expect_error(file.code, file.says, folder / file.name,
+    expect_error(file.code, file.message, folder / file.name,
                  [&] { read_volume(folder / file.name); });
     EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
@@ -186,7 +186,7 @@ void expect_all_errors(const std::vector<BadFile>& files) {
 constexpr ErrorCode kBad = ErrorCode::bad_file;
 constexpr ErrorCode kUnsupported = ErrorCode::unsupported;
 
-TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
+TEST(BadVolumes, WholeFilesAreRead) {  // otherwise the tests below would prove nothing
   const TempFolder folder;
   const std::string gz = gzipped(noise(), true), z = gzipped(noise(), false);
   const std::vector<std::pair<std::string, std::string>> files{
@@ -199,7 +199,7 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
       {"a.nii", nifti_header() + noise()},
       {"a.nii.gz", gzipped(nifti_header() + noise(), true)},
       {"plain.nii.gz",
-       nifti_header() + noise()},  // a wrong name that the NIfTI library does not mind
+       nifti_header() + noise()},  // a wrong extension, which the NIfTI library accepts
       {"a.vtk", vtk(noise())},
       {"b.vtk", vtk(as_text(noise()), "ASCII")},
       {"a.tif", tiff(tiff_pages())},
@@ -212,14 +212,14 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
   }
 }
 
-TEST(BadVolumes, PackedFilesSayHowToUnpackThem) {
+TEST(BadVolumes, ErrorsAboutCompressedFilesNameTheDecompressor) {
   const TempFolder folder;
   write_bytes(folder / "a.tif.gz", gzipped(tiff(tiff_pages())));
   expect_error(kUnsupported, "is a gzipped TIFF file, expected it decompressed (gunzip)",
                folder / "a.tif.gz", [&] { read_volume(folder / "a.tif.gz"); });
   expect_all_errors(
       {{"a.vtk.bz2", "BZh91AY&SY.....", kUnsupported,
-        "is compressed by bzip2 (to be decompressed first: bunzip2)"},
+        "is compressed by bzip2 (decompress it first: bunzip2)"},
        {"a.nii.xz",
         std::string("\xFD"
                     "7zXZ\0....",
@@ -267,9 +267,9 @@ TEST(BadVolumes, Nrrd) {
        {"flip.nrrd", nrrd(flipped(gz, 900), "gzip"), kBad, "damaged"},
        {"crc.nrrd", nrrd(flipped(gz, gz.size() - 6), "gzip"), kBad, "damaged"},
        {"short.nrrd", nrrd(gzipped(cut(noise(), 9), true), "gzip"), kBad, "1911"},
-       {"text.nrrd", nrrd(cut(as_text(noise()), 200), "ascii"), kBad, "promises 1920 numbers"},
+       {"text.nrrd", nrrd(cut(as_text(noise()), 200), "ascii"), kBad, "states 1920 numbers"},
        {"huge.nrrd", nrrd("0123456789", "raw", "100000 100000 100000"), kBad,
-        "promises 1000000000000000 bytes"},
+        "states 1000000000000000 bytes"},
        {"hugegz.nrrd", nrrd(gz, "gzip", "10000 10000 10000"), kBad, "far more than a file of"},
        {"overflow.nrrd", nrrd(noise(), "raw", "4294967296 4294967296 4294967296"), kBad,
         "more than any file can hold"},
@@ -297,17 +297,16 @@ TEST(BadVolumes, MetaImage) {
   const std::string z = gzipped(noise(), false);
   const std::string text = "BinaryData = False\n";
   expect_all_errors(
-      {{"raw.mha", meta(cut(noise(), 1)), kBad,
-        "promises 1920 bytes of samples, the file has 1919"},
+      {{"raw.mha", meta(cut(noise(), 1)), kBad, "states 1920 bytes of samples, the file has 1919"},
        {"none.mha", meta(""), kBad, "the file has 0"},
        {"cut.mha", packed_meta(cut(z, 100), z.size()), kBad, "is cut off"},
        {"cut2.mha", packed_meta(cut(z, 100), z.size() - 100), kBad, "is cut off"},
        {"flip.mha", packed_meta(flipped(z, 900), z.size()), kBad, "damaged"},
        {"short.mha", packed_meta(gzipped(cut(noise(), 9), false), 1911), kBad,
-        "promises 1920 bytes of samples, the file has 1911"},
-       {"text.mha", meta(cut(as_text(noise()), 300), text), kBad, "promises 1920 numbers"},
+        "states 1920 bytes of samples, the file has 1911"},
+       {"text.mha", meta(cut(as_text(noise()), 300), text), kBad, "states 1920 numbers"},
        {"huge.mha", meta(noise(), "", "100000 100000 100000"), kBad,
-        "promises 1000000000000000 bytes"},
+        "states 1000000000000000 bytes"},
        {"hugez.mha", packed_meta(z, z.size(), "10000 10000 10000"), kBad,
         "far more than a file of"},
        {"overflow.mha", meta(noise(), "", "4294967296 4294967296 4294967296"), kBad,
@@ -333,9 +332,9 @@ TEST(BadVolumes, DetachedDataFiles) {
   write_bytes(folder / "whole.raw", noise());
   write_bytes(folder / "short.gz", cut(gzipped(noise(), true), 20));
   const auto expect = [&](const std::string& name, const std::string& header,
-                          const std::string& says) {
+                          const std::string& message) {
     write_bytes(folder / name, header);
-    expect_error(kBad, says, folder / name, [&] { read_volume(folder / name); });
+    expect_error(kBad, message, folder / name, [&] { read_volume(folder / name); });
   };
   expect("short.mhd", meta("", "", "16 12 10", "short.raw"), "short.raw: is cut off");
   expect("skip.mhd", meta("", "HeaderSize = 100\n", "16 12 10", "whole.raw"), "the file has 1820");
@@ -354,7 +353,7 @@ TEST(BadVolumes, Nifti) {
   const std::string gz = gzipped(nifti_header() + noise(), true);
   expect_all_errors(
       {{"raw.nii", nifti_header() + cut(noise(), 1), kBad,
-        "promises 1920 bytes of samples, the file has 1919"},
+        "states 1920 bytes of samples, the file has 1919"},
        {"gzip.nii.gz", cut(gz, 100), kBad, "is cut off"},
        {"trailer.nii.gz", cut(gz, 8), kBad, "is cut off"},
        {"short.nii.gz", gzipped(nifti_header() + cut(noise(), 9), true), kBad, "is cut off"},
@@ -362,7 +361,7 @@ TEST(BadVolumes, Nifti) {
        {"crc.nii.gz", flipped(gz, gz.size() - 6), kBad, ""},
        {"header.nii", nifti_header().substr(0, 100), kBad, "not a NIfTI file"},
        {"huge.nii", nifti_header({.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1}}) + noise(),
-        kBad, "promises 32768000000000"},
+        kBad, "states 32768000000000"},
        {"huge.nii.gz",
         gzipped(nifti_header({.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1}}), true), kBad,
         "far more"},
@@ -386,9 +385,9 @@ TEST(BadVolumes, Nifti) {
 
 TEST(BadVolumes, LegacyVtk) {
   expect_all_errors(
-      {{"raw.vtk", vtk(cut(noise(), 1)), kBad, "promises 1920 bytes of samples, the file has 1919"},
+      {{"raw.vtk", vtk(cut(noise(), 1)), kBad, "states 1920 bytes of samples, the file has 1919"},
        {"none.vtk", vtk(""), kBad, "the file has 0"},
-       {"text.vtk", vtk(cut(as_text(noise()), 300), "ASCII"), kBad, "promises 1920 numbers"},
+       {"text.vtk", vtk(cut(as_text(noise()), 300), "ASCII"), kBad, "states 1920 numbers"},
        {"huge.vtk", vtk(noise(), "BINARY", "100000 100000 100000"), kBad, "make 1000000000000000"},
        {"overflow.vtk", vtk(noise(), "BINARY", "4294967296 4294967296 4294967296"), kBad,
         "more than any file can hold"},
@@ -414,7 +413,8 @@ TEST(BadVolumes, LegacyVtk) {
 
 TEST(BadVolumes, Tiff) {
   const std::string whole = tiff(tiff_pages());
-  // Wherever it is cut, also where a directory ends and only the link to the next page is gone.
+  // Cut at any place, also where the file ends after a directory and only the link to the next page
+  // is missing.
   for (const std::size_t missing : {314U, 313U, 312U, 311U}) {
     expect_all_errors({{"link.tif", cut(whole, missing), kBad, "cut off or damaged"}});
   }

@@ -50,7 +50,7 @@ class Packed : public testing::TestWithParam<int> {
   TempFolder folder_;
 };
 
-TEST_P(Packed, ReadsExactlyWhatIsThere) {
+TEST_P(Packed, ReadsAllBytesOfTheFile) {
   const std::string bytes = content();
   write_bytes(folder_ / "a", "HEADER" + pack(bytes));
   ByteSource source(folder_ / "a", 6, packing());
@@ -61,7 +61,7 @@ TEST_P(Packed, ReadsExactlyWhatIsThere) {
   EXPECT_EQ(source.count_rest(100), 5U);
 }
 
-TEST_P(Packed, SaysThatAFileIsCutOff) {
+TEST_P(Packed, ReportsAFileThatIsCutOff) {
   const std::string packed = pack(content());
   write_bytes(folder_ / "a", packed.substr(0, packed.size() - 40));
   std::string found(content().size(), '\0');
@@ -74,15 +74,15 @@ TEST_P(Packed, SaysThatAFileIsCutOff) {
       Error);
 }
 
-TEST_P(Packed, SaysThatThereAreTooFewSamples) {
+TEST_P(Packed, ReportsMissingSamples) {
   write_bytes(folder_ / "a", pack(content()));
   std::string found(content().size() + 1, '\0');
   EXPECT_THROW(ByteSource(folder_ / "a", 0, packing()).read_samples(found.data(), found.size()),
                Error);
 }
 
-TEST_P(Packed, SaysThatACompressedStreamIsDamaged) {
-  if (packing() == Packing::none) GTEST_SKIP() << "nothing tells";
+TEST_P(Packed, ReportsADamagedCompressedStream) {
+  if (packing() == Packing::none) GTEST_SKIP() << "without a checksum, damage is not detected";
   std::string packed = pack(content());
   for (std::size_t quarter = 1; quarter < 4; ++quarter) packed[packed.size() * quarter / 4] ^= 0x55;
   write_bytes(folder_ / "a", packed);
@@ -98,8 +98,8 @@ TEST_P(Packed, SaysThatACompressedStreamIsDamaged) {
 
 INSTANTIATE_TEST_SUITE_P(All, Packed, testing::Range(0, 6));
 
-// Found by fuzzing: after an empty member the reader never came to the next one.
-TEST(ByteSource, EmptyMembersHaveAnEnd) {
+// Found by fuzzing: after an empty member the reader never reached the next one.
+TEST(ByteSource, EmptyMembersAreSkipped) {
   const TempFolder folder;
   for (const auto& [packing, empty, full] :
        {std::tuple{Packing::deflate, gzipped(""), gzipped("abc")},
@@ -119,7 +119,7 @@ TEST(ByteSource, EmptyMembersHaveAnEnd) {
   }
 }
 
-TEST(ByteSource, ZerosAfterAGzipMemberAreNoMember) {
+TEST(ByteSource, ZerosAfterAGzipMemberAreIgnored) {
   const TempFolder folder;
   write_bytes(folder / "a", gzipped("twelve bytes") + std::string(512, '\0'));
   std::string found(12, '\0');
@@ -129,7 +129,7 @@ TEST(ByteSource, ZerosAfterAGzipMemberAreNoMember) {
   EXPECT_EQ(source.count_rest(100), 0U);
 }
 
-TEST(ByteSource, WhatFollowsAMemberIsOneOnlyWithItsMark) {
+TEST(ByteSource, BytesAfterAMemberAreAMemberOnlyWithItsMagic) {
   const TempFolder folder;
   for (const auto& [packing, member] : {std::pair{Packing::deflate, gzipped("abc")},
                                         {Packing::deflate, deflated("abc", 15)},
@@ -146,7 +146,7 @@ TEST(ByteSource, WhatFollowsAMemberIsOneOnlyWithItsMark) {
   }
 }
 
-TEST(ByteSource, PackingIsThatOfTheContent) {
+TEST(ByteSource, PackingIsFoundByTheContent) {
   const TempFolder folder;
   write_bytes(folder / "a.gz", "plain");
   EXPECT_EQ(packing_of(folder / "a.gz"), Packing::none);

@@ -37,7 +37,7 @@ TEST(Choice, TakesANameOrANumber) {
   EXPECT_EQ(take_choice("a", source, kChannels, std::optional<std::size_t>{1}), 1U);
 }
 
-TEST(Choice, RefusesWhatIsNotThere) {
+TEST(Choice, RefusesMissingEntries) {
   VolumeSource source;
   for (const std::string wanted : {"3", "-1", "RFP", "1x"}) {
     EXPECT_THROW(take_choice("a", source, kChannels, wanted), Error) << wanted;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes DICOM files element by element, right or wrong as a test wants them. Based on: DICOM PS3.5
+// Writes DICOM files element by element, valid or invalid as a test requires. Based on: DICOM PS3.5
 // section 7, PS3.10 section 7.
 #pragma once
 
@@ -28,7 +28,7 @@ std::string bytes_of(const std::vector<Number>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)};
 }
 
-/// "1.5\2": decimal strings as the standard has them.
+/// Decimal strings in the standard's form: "1.5\2".
 inline std::string decimals(const std::vector<double>& values) {
   std::string text;
   for (const double value : values) {
@@ -71,7 +71,7 @@ class DicomBuilder {
     return all;
   }
 
-  /// With preamble, mark and file meta group.
+  /// The file: preamble, "DICM", file meta group and data set.
   std::string file(std::string_view syntax = kExplicitLittle) const {
     DicomBuilder meta;
     meta.set(0x00020010, "UI", std::string(syntax));
@@ -139,14 +139,14 @@ class DicomBuilder {
 
 inline constexpr std::size_t kColumns = 6, kRows = 4, kFrameSamples = kColumns * kRows;
 
-/// Samples of one frame: all `value`, but the first, which marks the frame's corner.
+/// The samples of one frame: all are `value` except the first, which marks the frame's corner.
 inline std::vector<std::int16_t> frame_samples(std::int16_t value) {
   std::vector<std::int16_t> samples(kFrameSamples, value);
   samples[0] = static_cast<std::int16_t>(value + 1000);
   return samples;
 }
 
-/// An image of 6 x 4 signed 16-bit samples without a place.
+/// An image of 6 x 4 signed 16-bit samples without a position.
 inline DicomBuilder image_builder() {
   DicomBuilder image;
   image.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2").set(0x00080060, "CS", "CT");
@@ -172,8 +172,8 @@ inline DicomBuilder slice_builder(double z, std::int16_t value, int number = 1) 
   return slice;
 }
 
-/// `count` slices 2 apart from z = 5 on, whose values are 100 apart; file names run against places.
-/// `change` may edit each.
+/// Writes `count` slices from z = 5 on, at distance 2, with values 100, 200, ...; the order of the
+/// file names is the reverse of the order of positions. `change` may edit each slice.
 template <class Change>
 void write_series(const std::filesystem::path& folder, int count, Change change) {
   for (int i = 0; i < count; ++i) {
@@ -183,7 +183,7 @@ void write_series(const std::filesystem::path& folder, int count, Change change)
   }
 }
 
-/// An enhanced CT: frames in the order of `places`, frame i with value 100 i.
+/// An enhanced CT: frames at the positions `places`; frame i has the value 100 i.
 inline DicomBuilder enhanced_builder(const std::vector<double>& places) {
   DicomBuilder image = image_builder();
   image.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2.1")

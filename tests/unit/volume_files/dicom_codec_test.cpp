@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compressed DICOM files: tests/data/dicom has one image in every compression, and what is wrong is
-// made of them here.
+// Compressed DICOM files: tests/data/dicom has one image in every compression; invalid files are
+// derived from them here.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -17,11 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kFiles = fs::path(ISOATLAS_DICOM_DATA);
-// int16, -918 .. 2475: what pydicom reads of plain.dcm.
+// int16, -918 .. 2475: the samples that pydicom reads from plain.dcm.
 const std::string kSamples = "341ab6f05700f7a20eae2b71b5981ba8ceee901122ca781fe46127b7e186378b";
 
-/// A compressed file taken apart: everything before the first fragment, the fragments, and the
-/// sequence's end.
+/// A compressed file split into everything before the first fragment, the fragments, and the end of
+/// the sequence.
 struct Compressed {
   std::string head, tail;
   std::vector<std::string> fragments;
@@ -74,7 +74,7 @@ TEST(DicomCodec, LosslessCompressionKeepsTheSamples) {
   }
 }
 
-// Of cells of 16 bits the upper 12, as uncompressed.
+// The stored bits are the upper 12 of 16, as in an uncompressed file.
 TEST(DicomCodec, StoredBitsNeedNotBeTheLowest) {
   const auto read_with_high_bit_15 = [](const std::string& name) {
     std::string bytes = read_bytes(kFiles / (name + ".dcm"));
@@ -90,9 +90,9 @@ TEST(DicomCodec, StoredBitsNeedNotBeTheLowest) {
     EXPECT_EQ(read_with_high_bit_15(name), expected) << name;
 }
 
-// The codestream has 16 bits per sample, so the samples could be larger than the 12 bits that the
+// The codestream has 16 bits per sample, so samples could be larger than the 12 bits that the
 // header states.
-TEST(DicomCodec, Jpeg2000SaysHowManyBitsItHas) {
+TEST(DicomCodec, Jpeg2000StatesItsBits) {
   const Volume plain = read_volume(kFiles / "plain.dcm"),
                volume = read_volume(kFiles / "jpeg_2000_lossless.dcm");
   ASSERT_EQ(volume.view.type, SampleType::int32);
@@ -103,7 +103,7 @@ TEST(DicomCodec, Jpeg2000SaysHowManyBitsItHas) {
   }
 }
 
-TEST(DicomCodec, LossyCompressionIsSaid) {
+TEST(DicomCodec, LossyCompressionIsReported) {
   const VolumeFile file = read_volume_file(kFiles / "jpeg_extended_lossy.dcm");
   ASSERT_EQ(file.volume.view.type, SampleType::int16);
   EXPECT_EQ(
@@ -127,12 +127,12 @@ TEST(DicomCodec, AFrameThatIsCutOffIsAnError) {
         Compressed cut = whole;
         cut.fragments[frame] = stream.substr(0, length);
         expect_damaged(cut.file(), "a.dcm");
-        if (name != "rle") {  // any bytes are run lengths
+        if (name != "rle") {  // any bytes are valid run lengths
           cut.fragments[frame] =
               stream.substr(0, length) + std::string(stream.size() - length + 20, '\0');
           expect_damaged(cut.file(), "a.dcm");
           cut.fragments[frame] =
-              stream.substr(0, length) + "\xFF\xD9";  // a whole stream, but for its samples
+              stream.substr(0, length) + "\xFF\xD9";  // a complete stream without some samples
           expect_damaged(cut.file(), "a.dcm");
         }
       }
@@ -147,7 +147,8 @@ TEST(DicomCodec, FramesAndFragmentsMustMatch) {
   expect_damaged(changed.file(), "it has 2 compressed frames of 3");
   changed.fragments.push_back(whole.fragments.front());
   changed.fragments.push_back(whole.fragments.back());
-  expect_damaged(changed.file(), "4 compressed fragments, from which its 3 frames cannot be told");
+  expect_damaged(changed.file(),
+                 "4 compressed fragments, which cannot be assigned to its 3 frames");
   changed = whole;
   changed.fragments[1] = "";
   expect_damaged(changed.file(), "is no JPEG-LS image");
@@ -170,11 +171,12 @@ TEST(DicomCodec, OtherCompressionsAreRefused) {
   const TempFolder folder;
   write_bytes(folder / "a.dcm", file);
   expect_error(ErrorCode::unsupported,
-               "compressed in a way that is not read (transfer syntax 1.2.840.10008.1.2.4.92)",
+               "compressed with a method that isoatlas does not decode (transfer syntax "
+               "1.2.840.10008.1.2.4.92)",
                folder / "a.dcm", [&] { read_volume(folder / "a.dcm"); });
 }
 
-TEST(DicomCodec, PixelDataThatIsNotCompressedAfterAll) {
+TEST(DicomCodec, PixelDataThatIsNotCompressedIsRefused) {
   std::string file = read_bytes(kFiles / "plain.dcm");
   const std::size_t syntax = file.find(std::string("\x02\0\x10\0UI\x14\0", 8));
   ASSERT_NE(syntax, std::string::npos);

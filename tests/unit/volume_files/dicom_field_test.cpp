@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // DICOM files as scanners and programs write them. Digests are of the samples that pydicom reads,
-// sorted by place and rescaled frame by frame.
+// sorted by position and rescaled frame by frame.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -39,13 +39,13 @@ std::string decision(const VolumeSource& source, const std::string& key) {
   return "";
 }
 
-TEST(DicomField, FramesAreSortedByPlace) {
+TEST(DicomField, FramesAreSortedByPosition) {
   const VolumeFile file = read_volume_file(kDicom / "enh_shuffled");
   expect_field_volume(file, SampleType::int32, kSamples);
   EXPECT_EQ(file.source.format, "multi-frame DICOM");
 }
 
-TEST(DicomField, FramesHaveRescalesOfTheirOwn) {
+TEST(DicomField, FramesHaveTheirOwnRescale) {
   const VolumeFile file = read_volume_file(kDicom / "enh_slopes");
   expect_field_volume(file, SampleType::int32,
                       "b695dd18494047e6b27470174aacc84bbaafdbe942c9ed4ccea72a92d5ba1ea8");
@@ -99,9 +99,9 @@ TEST(DicomField, MissingPixelSpacingIsWarnedAbout) {
       (std::vector<std::string>{"states no PixelSpacing; 1 x 1 mm is assumed within a slice"}));
 }
 
-TEST(DicomField, TwoSlicesAtOnePlaceAreNamed) {
-  expect_error(ErrorCode::unsupported, "two slices at one place: IM003, zz", kDicom / "dup_newuid",
-               [] { read_volume(kDicom / "dup_newuid"); });
+TEST(DicomField, TwoSlicesAtOnePositionAreNamed) {
+  expect_error(ErrorCode::unsupported, "two slices at one position: IM003, zz",
+               kDicom / "dup_newuid", [] { read_volume(kDicom / "dup_newuid"); });
 }
 
 TEST(DicomField, ThicknessesAreComparedAsNumbers) {
@@ -130,7 +130,7 @@ TEST(DicomField, AFileMeansTheSeriesInItsFolder) {
                       kSamples);
 }
 
-TEST(DicomField, ASliceAloneIsRefused) {
+TEST(DicomField, ASingleSliceIsRefused) {
   const fs::path file = fs::path(ISOATLAS_FIELD_DATA) / "one.dcm";
   expect_error(ErrorCode::unsupported, "a single slice", file, [&] { read_volume(file); });
 }

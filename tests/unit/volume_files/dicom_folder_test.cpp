@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders with DICOM files: what is read together, what is a choice, what is left out.
+// Folders with DICOM files: which files form a volume, which are a choice, which are skipped.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ FileChoice choice_needed(const fs::path& path, const ReadOptions& options = {}) 
   return {};
 }
 
-TEST(DicomFolder, SlicesAreSortedByPlace) {
+TEST(DicomFolder, SlicesAreSortedByPosition) {
   const TempFolder folder;
   write_series(folder.path(), 4, kUnchanged);
   const VolumeFile file = read_volume_file(folder.path());
@@ -43,18 +43,18 @@ TEST(DicomFolder, SlicesAreSortedByPlace) {
   EXPECT_TRUE(file.source.warnings.empty());
 }
 
-TEST(DicomFolder, OtherFilesAreLeftOutWithAWarning) {
+TEST(DicomFolder, OtherFilesAreSkippedWithAWarning) {
   const TempFolder folder;
   write_series(folder.path(), 3, kUnchanged);
   write_bytes(folder / "README", "Scanned on Monday.");
   write_bytes(folder / "notes.txt", "");
   write_bytes(folder / ".DS_Store", "x");
   write_bytes(folder / "data.bin",
-              std::string("\x08\0\x05\0\x10\0\0\0 begins like DICOM, but goes on otherwise", 50));
+              std::string("\x08\0\x05\0\x10\0\0\0 begins like DICOM, but is another format", 50));
   const VolumeFile file = read_volume_file(folder.path());
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
   EXPECT_EQ(file.source.warnings,
-            (Names{"3 files are left out (no DICOM): README, data.bin, notes.txt"}));
+            (Names{"3 files are skipped (not DICOM): README, data.bin, notes.txt"}));
 }
 
 TEST(DicomFolder, EmptyFilesThatMayBeSlicesAreErrors) {
@@ -69,7 +69,7 @@ TEST(DicomFolder, EmptyFilesThatMayBeSlicesAreErrors) {
   }
 }
 
-TEST(DicomFolder, LinksToFoldersEndSomewhere) {
+TEST(DicomFolder, LoopsOfLinksToFoldersEnd) {
   const TempFolder folder;
   write_series(folder / "a", 3, kUnchanged);
   fs::create_directory_symlink(folder.path(), folder / "a" / "up");
@@ -78,7 +78,7 @@ TEST(DicomFolder, LinksToFoldersEndSomewhere) {
   EXPECT_EQ(slice_values(read_volume(folder / "a" / "up")), (Values{0, 100, 200}));
 }
 
-TEST(DicomFolder, IndexAndObjectsWithoutImageAreLeftOut) {
+TEST(DicomFolder, IndexAndObjectsWithoutImageAreSkipped) {
   const TempFolder folder;
   write_series(folder.path(), 3, kUnchanged);
   DicomBuilder index, report;
@@ -88,7 +88,7 @@ TEST(DicomFolder, IndexAndObjectsWithoutImageAreLeftOut) {
       .set(0x0020000E, "UI", "1.9")
       .write(folder / "sr");
   EXPECT_EQ(read_volume_file(folder.path()).source.warnings,
-            (Names{"1 file is left out (holds no image (SR)): sr"}));
+            (Names{"1 file is skipped (holds no image (SR)): sr"}));
   expect_error(ErrorCode::unsupported, "is a DICOMDIR", folder / "DICOMDIR",
                [&] { read_volume(folder / "DICOMDIR"); });
   expect_error(ErrorCode::unsupported, "holds no image (SR)", folder / "sr",
@@ -98,7 +98,7 @@ TEST(DicomFolder, IndexAndObjectsWithoutImageAreLeftOut) {
                [&] { read_volume(folder.path()); });
 }
 
-TEST(DicomFolder, LocalizersAreNoSlices) {
+TEST(DicomFolder, LocalizersAreNotSlices) {
   const TempFolder folder;
   write_series(folder.path(), 3, kUnchanged);
   slice_builder(-100, 7, 9)
@@ -106,7 +106,7 @@ TEST(DicomFolder, LocalizersAreNoSlices) {
       .write(folder / "scout");
   const VolumeFile file = read_volume_file(folder.path());
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
-  EXPECT_EQ(file.source.warnings, (Names{"1 file is left out (localizer): scout"}));
+  EXPECT_EQ(file.source.warnings, (Names{"1 file is skipped (localizer): scout"}));
 }
 
 TEST(DicomFolder, AFolderOfLocalizersIsRead) {
@@ -130,9 +130,10 @@ TEST(DicomFolder, SeriesAreChosenByNumberOrIdentifier) {
   });
   const FileChoice choice = choice_needed(folder.path());
   EXPECT_EQ(choice.name, "series");
-  EXPECT_EQ(choice.entries,
-            (Names{"series 2, CT, 4 slices of 6 x 4, UID 1.2.77.21",  // by number, not by alphabet
-                   "series 12 Head thin, CT, 3 slices of 6 x 4, UID 1.2.77.1"}));
+  EXPECT_EQ(
+      choice.entries,
+      (Names{"series 2, CT, 4 slices of 6 x 4, UID 1.2.77.21",  // sorted by number, not by alphabet
+             "series 12 Head thin, CT, 3 slices of 6 x 4, UID 1.2.77.1"}));
   for (const std::string wanted : {"0", "1.2.77.21", "77.21", "21"}) {
     EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).view.grid.size[2], 4U) << wanted;
   }
@@ -198,7 +199,7 @@ TEST(DicomFolder, SlicesOfDifferentOrientationAreDifferentEntries) {
   EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).view.grid.direction[1], (Vec3{0, 0, -1}));
 }
 
-// Two reconstructions in one series, of which some slices are at the same place.
+// Two reconstructions in one series; some of their slices have the same position.
 TEST(DicomFolder, ThinAndThickSlicesAreDifferentEntries) {
   const TempFolder folder;
   write_series(folder / "thin", 5,
@@ -219,9 +220,9 @@ struct TimeAttribute {
   std::string type, first, second, name;
 };
 
-TEST(DicomFolder, SlicesAtOnePlaceAreTimePoints) {
+TEST(DicomFolder, SlicesAtOnePositionAreTimePoints) {
   const std::vector<TimeAttribute> attributes{
-      {0x00200100, "IS", "10", "9", "time point"},  // numbers are sorted as numbers
+      {0x00200100, "IS", "10", "9", "time point"},  // numbers are sorted by value
       {0x00181060, "DS", "120.5", "40", "trigger time"},
       {0x00180086, "IS", "2", "1", "echo"},
       {0x00200012, "IS", "2", "1", "acquisition"},
@@ -247,8 +248,9 @@ TEST(DicomFolder, SlicesAtOnePlaceAreTimePoints) {
   }
 }
 
-// Neither attribute alone tells the four volumes apart; the time of a slice tells nothing at all.
-TEST(DicomFolder, TwoAttributesTellVolumesApart) {
+// Neither attribute alone distinguishes the four volumes; the time of a slice does not distinguish
+// any.
+TEST(DicomFolder, TwoAttributesDistinguishVolumes) {
   const TempFolder folder;
   for (int volume = 0; volume < 4; ++volume) {
     write_series(folder / std::to_string(volume), 3, [&](DicomBuilder& slice, int i) {
@@ -265,7 +267,7 @@ TEST(DicomFolder, TwoAttributesTellVolumesApart) {
   EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 2})), (Values{20, 21, 22}));
 }
 
-TEST(DicomFolder, TheOrderOfImagesTellsVolumesApartWhereNothingElseDoes) {
+TEST(DicomFolder, TheOrderOfImagesDistinguishesVolumesIfNoAttributeDoes) {
   const TempFolder folder;
   for (int volume = 0; volume < 2; ++volume) {
     write_series(folder / std::to_string(volume), 3, [&](DicomBuilder& slice, int i) {
@@ -284,7 +286,7 @@ TEST(DicomFolder, VolumesWithDifferentNumbersOfSlicesAreRefused) {
   write_series(folder / "b", 2, [](DicomBuilder& slice, int) {
     slice.set(0x00200100, "IS", "2").set(0x00200013, "IS", "40");
   });
-  expect_error(ErrorCode::unsupported, "two slices at one place: a/s2, b/s1", folder.path(),
+  expect_error(ErrorCode::unsupported, "two slices at one position: a/s2, b/s1", folder.path(),
                [&] { read_volume(folder.path()); });
 }
 
@@ -294,10 +296,10 @@ TEST(DicomFolder, CopiesOfAFileAreOneSlice) {
   fs::copy(folder / "s1", folder / "s1 (1)");
   const VolumeFile file = read_volume_file(folder.path());
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
-  EXPECT_EQ(file.source.warnings, (Names{"1 file is a copy of another and left out: s1 (1)"}));
+  EXPECT_EQ(file.source.warnings, (Names{"1 file is a copy of another and skipped: s1 (1)"}));
 }
 
-TEST(DicomFolder, ColourImagesOfOtherSeriesAreLeftOut) {
+TEST(DicomFolder, ColourImagesOfOtherSeriesAreSkipped) {
   const TempFolder folder;
   write_series(folder.path(), 3, kUnchanged);
   DicomBuilder screenshot = slice_builder(0, 0, 50);
@@ -307,12 +309,12 @@ TEST(DicomFolder, ColourImagesOfOtherSeriesAreLeftOut) {
       .remove(0x00200032);
   screenshot.write(folder / "screen");
   EXPECT_EQ(read_volume_file(folder.path()).source.warnings,
-            (Names{"1 file is left out (is a colour image (RGB)): screen"}));
+            (Names{"1 file is skipped (is a colour image (RGB)): screen"}));
   expect_error(ErrorCode::unsupported, "is a colour image (RGB)", folder / "screen",
                [&] { read_volume(folder / "screen"); });
 }
 
-TEST(DicomFolder, ASliceThatLostItsPlaceIsMissed) {
+TEST(DicomFolder, ASliceWithoutPositionIsAnError) {
   const TempFolder folder;
   write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
     if (i == 3) slice.remove(0x00200032);
@@ -321,7 +323,7 @@ TEST(DicomFolder, ASliceThatLostItsPlaceIsMissed) {
                [&] { read_volume(folder.path()); });
 }
 
-TEST(DicomFolder, DamageMattersOnlyWhereItIsRead) {
+TEST(DicomFolder, DamageMattersOnlyInTheFilesThatAreRead) {
   const TempFolder folder;
   write_series(folder / "good", 3, kUnchanged);
   write_series(folder / "bad", 3, [](DicomBuilder& slice, int) {
@@ -335,7 +337,7 @@ TEST(DicomFolder, DamageMattersOnlyWhereItIsRead) {
                [&] { read_volume(folder.path(), {.series = "1"}); });
 }
 
-TEST(DicomFolder, PixelSpacingIsTheSameEverywhere) {
+TEST(DicomFolder, PixelSpacingMustBeTheSameEverywhere) {
   const TempFolder folder;
   write_series(folder.path(), 3, [](DicomBuilder& slice, int i) {
     if (i == 1) slice.set_decimals(0x00280030, {0.75, 0.6});
@@ -360,7 +362,7 @@ void write_two_volumes(const fs::path& folder, double first,
 }
 
 const std::vector<std::pair<std::string, std::function<void(DicomBuilder&, int)>>>
-    kTellVolumesApart{
+    kVolumeAttributes{
         {"time point", [](DicomBuilder& slice,
                           int volume) { slice.set(0x00200100, "IS", std::to_string(volume + 1)); }},
         {"echo", [](DicomBuilder& slice,
@@ -371,8 +373,8 @@ const std::vector<std::pair<std::string, std::function<void(DicomBuilder&, int)>
          }},
     };
 
-TEST(DicomFolder, VolumesThatFitBetweenEachOtherAreToldApart) {
-  for (const auto& [name, change] : kTellVolumesApart) {
+TEST(DicomFolder, InterleavedVolumesAreDistinguished) {
+  for (const auto& [name, change] : kVolumeAttributes) {
     SCOPED_TRACE(name);
     const TempFolder folder;
     write_two_volumes(folder.path(), 6, change);
@@ -387,8 +389,8 @@ TEST(DicomFolder, VolumesThatFitBetweenEachOtherAreToldApart) {
   }
 }
 
-TEST(DicomFolder, VolumesThatFitEndToEndAreToldApart) {
-  for (const auto& [name, change] : kTellVolumesApart) {
+TEST(DicomFolder, AdjoiningVolumesAreDistinguished) {
+  for (const auto& [name, change] : kVolumeAttributes) {
     SCOPED_TRACE(name);
     const TempFolder folder;
     write_two_volumes(folder.path(), 13, change);
@@ -403,7 +405,7 @@ TEST(DicomFolder, VolumesThatFitEndToEndAreToldApart) {
   EXPECT_EQ(read_volume(folder.path()).view.grid.size[2], 8U);
 }
 
-TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceHaveNothingInCommon) {
+TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceAreNotCompared) {
   for (const auto& [tag, type] :
        {std::pair{0x00200052U, "UI"}, {0x0020000DU, "UI"}, {0x00100020U, "LO"}}) {
     SCOPED_TRACE(tag);
@@ -415,7 +417,7 @@ TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceHaveNothing
     EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})),
               (Values{1000, 1100, 1200, 1300}));
   }
-  const TempFolder folder;  // made anonymous slice by slice
+  const TempFolder folder;  // anonymized slice by slice
   write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
     slice.set(0x00200052, "UI", std::string("1.") + std::to_string(i));
   });
@@ -424,7 +426,7 @@ TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceHaveNothing
 
 TEST(DicomFolder, VolumesThatMovedALittleAreTimePoints) {
   const TempFolder folder;
-  write_two_volumes(folder.path(), 5.3, kTellVolumesApart[0].second);
+  write_two_volumes(folder.path(), 5.3, kVolumeAttributes[0].second);
   EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"time point 1", "time point 2"}));
   EXPECT_EQ(read_volume(folder.path(), {.time = 0}).view.grid.origin.z, 5);
   EXPECT_EQ(read_volume(folder.path(), {.time = 1}).view.grid.origin.z, 5.3);
@@ -434,33 +436,34 @@ TEST(DicomFolder, SmallDifferencesMustNotAddUp) {
   const TempFolder folder;
   double z = 0;
   for (int i = 0; i <= 40;
-       ++i) {  // each gap is near 2, but the slice in the middle is almost a step away
+       ++i) {  // each gap is near 2, but the middle slice is almost a step off its position
     slice_builder(z, 0, i + 1).write(folder / (std::string("s") + std::to_string(100 + i)));
     z += i < 20 ? 1.91 : 2.09;
   }
-  expect_error(ErrorCode::bad_file,
-               "not evenly spaced: s120 is 1.8 from its place in an even stack of slices 2 apart",
-               folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(
+      ErrorCode::bad_file,
+      "not evenly spaced: s120 is 1.8 from its position in an even stack of slices 2 apart",
+      folder.path(), [&] { read_volume(folder.path()); });
 }
 
-TEST(DicomFolder, SlicesBesideTheLineAreNamed) {
+TEST(DicomFolder, SlicesOffTheLineAreNamed) {
   const TempFolder folder;
   write_series(folder.path(), 5, [](DicomBuilder& slice, int i) {
     if (i == 2) slice.set_decimals(0x00200032, {-9.7, 20, 9});
   });
   expect_error(ErrorCode::bad_file,
-               "not in line: s2 lies 0.3 beside the line through the first and the last slice",
+               "not in line: s2 lies 0.3 from the line through the first and the last slice",
                folder.path(), [&] { read_volume(folder.path()); });
 }
 
-TEST(DicomFolder, DifferencesThatMayMeanSeveralVolumesAreWarnedOf) {
+TEST(DicomFolder, DifferencesThatMayMeanSeveralVolumesGiveAWarning) {
   const TempFolder folder;
   write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
     slice.set(0x00181314, "DS", std::to_string(10 + 5 * (i % 2)))
         .set(0x00080008, "CS", "ORIGINAL\\PRIMARY");
   });
   EXPECT_EQ(read_volume_file(folder.path()).source.warnings,
-            (Names{"its slices differ in flip angle (10, 15), and are read as one volume"}));
+            (Names{"its slices differ in flip angle (10, 15); they are read as one volume"}));
 }
 
 TEST(DicomFolder, TimesOfTheClockKeepTheirDigits) {
@@ -472,7 +475,7 @@ TEST(DicomFolder, TimesOfTheClockKeepTheirDigits) {
             (Names{"content time 080000", "content time 100000"}));
 }
 
-TEST(DicomFolder, NumbersThatAreNoneAreNoPositions) {
+TEST(DicomFolder, InvalidNumbersAreNotPositions) {
   const TempFolder folder;
   write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
     const double z = i == 2 ? std::nan("") : 5 + 2.0 * i;
@@ -482,7 +485,8 @@ TEST(DicomFolder, NumbersThatAreNoneAreNoPositions) {
                [&] { read_volume(folder.path()); });
 }
 
-// Found by review: the product of such sizes was 0, by which the length of the samples was divided.
+// Found by review: the product of such sizes was 0, and the length of the samples was divided by
+// it.
 TEST(DicomFolder, SizesBeyondTheStandardsAreRefused) {
   const TempFolder folder;
   DicomBuilder slice = slice_builder(0, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one DICOM file can say of its frames and samples.
+// The frames and samples that one DICOM file can describe.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -36,7 +36,7 @@ void expect_refused(const DicomBuilder& image, const std::string& fragment,
 
 DicomBuilder enhanced() { return enhanced_builder({5, 7, 9}); }
 
-// The enhanced image with other samples: three frames that begin with `first`, all others `value`.
+// The enhanced image with other samples: three frames that begin with `first`, followed by `value`.
 template <class Stored>
 DicomBuilder with_samples(std::uint16_t allocated, std::uint16_t stored, std::uint16_t high,
                           bool is_signed, const std::vector<Stored>& values) {
@@ -80,13 +80,13 @@ TEST(DicomImage, FewerStoredBitsKeepTheAllocatedType) {
                 {0, 200, 4095});
 }
 
-TEST(DicomImage, OtherBitsOfACellAreNoSample) {
+TEST(DicomImage, OtherAllocatedBitsAreIgnored) {
   expect_values(with_samples<std::uint16_t>(16, 12, 11, false, {0xF123, 0x0FFF, 0x1000}),
                 SampleType::uint16, {0x123, 0xFFF, 0});
   expect_values(with_samples<std::uint16_t>(16, 12, 11, true, {0x0800, 0x0FFF, 0xF001}),
                 SampleType::int16, {-2048, -1, 1});
   expect_values(with_samples<std::uint16_t>(16, 12, 15, false, {0x123F, 0xFFF0, 0x0010}),
-                SampleType::uint16, {0x123, 0xFFF, 1});  // at the top
+                SampleType::uint16, {0x123, 0xFFF, 1});  // the stored bits are the highest
   expect_values(with_samples<std::uint16_t>(16, 10, 12, true, {0x1008, 0x0008, 0x0007}),
                 SampleType::int16, {-511, 1, 0});
   expect_values(with_samples<std::uint32_t>(32, 20, 19, true, {0xFFF80000U, 5, 0xFFFFFU}),
@@ -122,14 +122,14 @@ TEST(DicomImage, FractionalRescalesGiveFloats) {
                 SampleType::float64, {9, 10, 12.5});
 }
 
-TEST(DicomImage, ARescaleSlopeOfZeroIsNone) {
+TEST(DicomImage, ARescaleSlopeOfZeroIsIgnored) {
   DicomBuilder image = enhanced();
   const VolumeFile file = read_image(image.set(0x00281053, "DS", "0").set(0x00281052, "DS", "-5"));
   EXPECT_EQ(slice_values(file.volume), (Values{-5, 95, 195}));
   EXPECT_EQ(file.source.warnings, (Names{"states a rescale slope of 0; 1 is used"}));
 }
 
-TEST(DicomImage, ARescaleThatIsNoNumberIsRefused) {
+TEST(DicomImage, ARescaleThatIsNotANumberIsRefused) {
   DicomBuilder image = enhanced();
   expect_refused(image.set(0x00281053, "DS", "one"),
                  "has a RescaleSlope of 'one', expected a number");
@@ -165,14 +165,14 @@ TEST(DicomImage, FloatingPixelData) {
                 {-1.5, 0.25, 1e300});
 }
 
-TEST(DicomImage, PaddingIsKeptAndSaid) {
+TEST(DicomImage, PaddingIsKeptAndReported) {
   DicomBuilder image = enhanced();
   const VolumeFile file = read_image(image.set(0x00280120, "SS", bytes_of<std::int16_t>({-2000})));
   EXPECT_EQ(file.source.decisions.back().key, "padding value");
   EXPECT_EQ(file.source.decisions.back().value, "-2000; kept as samples");
 }
 
-TEST(DicomImage, WhatIsNoGreyValueIsRefused) {
+TEST(DicomImage, OtherValuesThanGreyAreRefused) {
   const auto refuse = [](const Edit& edit, const std::string& fragment) {
     DicomBuilder image = enhanced();
     edit(image);
@@ -210,19 +210,19 @@ TEST(DicomImage, OtherMakersMayUseTheMosaicElement) {
   EXPECT_EQ(slice_values(read_image(image).volume), (Values{0, 100, 200}));
 }
 
-TEST(DicomImage, PixelDataMustHaveWhatItsFramesTake) {
+TEST(DicomImage, PixelDataMustHaveAllItsFrames) {
   DicomBuilder image = enhanced();
   const std::string frame(kFrameSamples * 2, 'x');
   expect_refused(image.set(0x7FE00010, "OW", frame + frame + frame.substr(2)),
-                 "its pixel data has 142 bytes, its header promises 3 x 48", ErrorCode::bad_file);
+                 "its pixel data has 142 bytes, its header states 3 x 48", ErrorCode::bad_file);
   const VolumeFile file = read_image(image.set(0x7FE00010, "OW", frame + frame + frame + "more"));
   EXPECT_EQ(file.source.warnings,
-            (Names{"has 4 bytes of pixel data more than its frames take; they are ignored"}));
+            (Names{"has 4 bytes of pixel data more than its frames need; they are ignored"}));
 }
 
 TEST(DicomImage, AnOddNumberOfBytesIsPadded) {
   DicomBuilder image = with_samples<std::uint8_t>(8, 8, 7, false, {});
-  image.set_short(0x00280010, 3).set_short(0x00280011, 3);  // 27 bytes, and one
+  image.set_short(0x00280010, 3).set_short(0x00280011, 3);  // 27 bytes and one of padding
   std::string bytes;
   for (const char value : {'\1', '\2', '\3'}) bytes += std::string(9, value);
   const VolumeFile file = read_image(image.set(0x7FE00010, "OB", bytes));
@@ -230,7 +230,7 @@ TEST(DicomImage, AnOddNumberOfBytesIsPadded) {
   EXPECT_TRUE(file.source.warnings.empty());
 }
 
-TEST(DicomImage, ManyFramesPromisedByAFewBytesAreNotAllocated) {
+TEST(DicomImage, ManyFramesStatedByAFewBytesAreNotAllocated) {
   DicomBuilder image = image_builder();
   image.set(0x00280008, "IS", "2147483647")
       .set_short(0x00280010, 65535)
@@ -253,12 +253,12 @@ TEST(DicomImage, EveryEncodingIsTheSameVolume) {
   }
 }
 
-TEST(DicomImage, BytesInBigEndianWordsAreInEachOthersPlace) {
+TEST(DicomImage, BytesInBigEndianWordsAreSwapped) {
   DicomBuilder image = with_samples<std::uint8_t>(8, 8, 7, false, {});
   image.set_short(0x00280010, 3).set_short(0x00280011, 3);
   std::string bytes(28, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i);
-  for (const std::string type : {"OW", "OB"}) {  // the builder writes words swapped
+  for (const std::string type : {"OW", "OB"}) {  // the builder swaps the bytes of words
     const Volume volume = read_image(image.set(0x7FE00010, type, bytes), kExplicitBig).volume;
     const auto* samples = static_cast<const std::uint8_t*>(volume.view.samples);
     for (std::size_t i = 0; i < 27; ++i) ASSERT_EQ(samples[i], i) << type;
@@ -272,7 +272,7 @@ TEST(DicomImage, SamplesOfFourBytesAreSwapped) {
   file += std::string("\x7F\xE0\0\x10OB\0\0\0\0\x01\x20", 12);
   for (const std::uint32_t value : {1U, 0x01020304U, 70000U}) {
     for (std::size_t i = 0; i < kFrameSamples; ++i) {
-      for (int shift = 24; shift >= 0; shift -= 8) file += static_cast<char>(value >> shift & 255U);
+      for (int bit = 24; bit >= 0; bit -= 8) file += static_cast<char>(value >> bit & 255U);
     }
   }
   write_bytes(folder / "a.dcm", file);
@@ -290,7 +290,7 @@ TEST(DicomImage, FilesWithoutPreambleAreRead) {
   }
 }
 
-TEST(DicomImage, AWrongTransferSyntaxIsSeenThrough) {
+TEST(DicomImage, AWrongTransferSyntaxIsDetected) {
   const std::string head(128, '\0');
   for (const auto& [stated, real] :
        {std::pair(kExplicitLittle, kImplicitLittle), std::pair(kImplicitLittle, kExplicitLittle)}) {
@@ -335,9 +335,9 @@ TEST(DicomImage, SequencesMayHaveNoLengthsOrAnUnknownType) {
   image.set_items(0x52009229, {shared}, false);
   image.set_items(0x00081140,
                   {DicomBuilder().set_items(0x00081199, {DicomBuilder(), DicomBuilder()}, false)},
-                  false);  // of no interest
+                  false);  // not used by the reader
   EXPECT_EQ(read_image(image).volume.view.grid.spacing, (Vec3{0.5, 0.75, 2}));
-  // A writer that does not know an element keeps it as it found it: implicit and of type UN.
+  // A writer that does not know an element copies it unchanged: implicit and of type UN.
   const std::string item = shared.data_set(kImplicitLittle);
   const auto length = static_cast<std::uint32_t>(item.size());
   image.set(0x52009229, "UN",
@@ -378,13 +378,13 @@ TEST(DicomImage, LengthsBeyondTheFileAreErrors) {
   DicomBuilder image = enhanced();
   const std::string whole = image.file();
   const TempFolder folder;
-  for (std::size_t at = 132; at + 4 < whole.size(); at += 2) {  // elements start at even places
+  for (std::size_t at = 132; at + 4 < whole.size(); at += 2) {  // elements begin at even offsets
     std::string changed = whole;
     for (const char byte : {'\xFF', '\x7F', '\0'}) {
       changed.replace(at, 4, 4, byte);
       write_bytes(folder / "a.dcm", changed);
       try {
-        read_volume(folder / "a.dcm");  // right or refused, never a crash
+        read_volume(folder / "a.dcm");  // correct or refused, never a crash
       } catch (const Error& error) {
         EXPECT_TRUE(std::string(error.what()).find("a.dcm") != std::string::npos) << error.what();
       }
@@ -398,20 +398,20 @@ TEST(DicomImage, SequencesNestedWithoutEndAreErrors) {
   for (int i = 0; i < 100000; ++i)
     deep += std::string("\x08\0\x40\x11SQ\0\0\xFF\xFF\xFF\xFF\xFE\xFF\0\xE0\xFF\xFF\xFF\xFF", 20);
   write_bytes(folder / "a.dcm", deep);
-  expect_error(ErrorCode::bad_file, "make no sense", folder / "a.dcm",
+  expect_error(ErrorCode::bad_file, "not valid", folder / "a.dcm",
                [&] { read_volume(folder / "a.dcm"); });
 }
 
-TEST(DicomImage, WhatIsCalledDicomMayBeNone) {
+TEST(DicomImage, OtherFilesWithTheExtensionAreRefused) {
   const TempFolder folder;
   write_bytes(folder / "a.dcm", "hello, this is no DICOM file at all");
   expect_error(ErrorCode::bad_file, "is not a DICOM file", folder / "a.dcm",
                [&] { read_volume(folder / "a.dcm"); });
 }
 
-// --- places
+// --- positions
 
-TEST(DicomImage, TheFramesOwnPlaneComesBeforeTheSharedOne) {
+TEST(DicomImage, TheFramesOwnPlanePrecedesTheSharedOne) {
   DicomBuilder image = enhanced();
   std::vector<DicomBuilder> frames;
   for (const double z : {5.0, 7.5, 10.0}) {
@@ -434,10 +434,10 @@ TEST(DicomImage, FramesAreSortedAndCheckedLikeSlices) {
                  "not evenly spaced: 4 from frame 2 of a.dcm to frame 3 of a.dcm",
                  ErrorCode::bad_file);
   expect_refused(enhanced_builder({5, 7, 7}),
-                 "two slices at one place: frame 2 of a.dcm, frame 3 of a.dcm");
+                 "two slices at one position: frame 2 of a.dcm, frame 3 of a.dcm");
 }
 
-TEST(DicomImage, AttributesOfOtherThanAllFramesAreRefused) {
+TEST(DicomImage, AttributesOfADifferentNumberOfFramesAreRefused) {
   DicomBuilder image = enhanced();
   expect_refused(image.set(0x00280008, "IS", "2"), "has 2 frames, but attributes of 3");
 }
@@ -480,7 +480,7 @@ TEST(DicomImage, StacksAreSeries) {
             (Values{200, 300, 400}));
 }
 
-TEST(DicomImage, AStackForEachFrameIsNone) {
+TEST(DicomImage, AStackForEachFrameIsIgnored) {
   const DicomBuilder image =
       with_frame_content({5, 7, 9}, [](DicomBuilder& content, std::size_t i) {
         content.set(0x00209056, "SH", std::to_string(i));
@@ -498,7 +498,7 @@ TEST(DicomImage, TemporalPositionsAreTimePoints) {
             (Values{100, 300, 500}));
 }
 
-TEST(DicomImage, DimensionsOfTheWritersOwnTellVolumesApart) {
+TEST(DicomImage, TheWritersOwnDimensionsDistinguishVolumes) {
   DicomBuilder image = with_frame_content({5, 5, 7, 7}, [](DicomBuilder& content, std::size_t i) {
     content.set(0x00209157, "UL",
                 bytes_of<std::uint32_t>({1, static_cast<std::uint32_t>(i / 2 + 1),
@@ -553,7 +553,7 @@ TEST(DicomImage, FramesMayFollowEachOtherAtADistance) {
   EXPECT_EQ(reversed.volume.view.grid.origin, (Vec3{1, 7, 3}));
 }
 
-TEST(DicomImage, FramesInTimeAreNoSlices) {
+TEST(DicomImage, FramesInTimeAreNotSlices) {
   DicomBuilder image = plain_multi_frame();
   image.set_decimals(0x00180088, {2.5})
       .set(0x00280009, "AT", bytes_of<std::uint16_t>({0x0018, 0x1063}));
@@ -631,7 +631,7 @@ TEST(DicomImage, ParametricMapsHaveRealWorldValues) {
                  "by a table (RealWorldValueLUTData)");
 }
 
-TEST(DicomImage, OrientationsThatAreNone) {
+TEST(DicomImage, InvalidOrientationsAreRefused) {
   const auto refuse = [](const std::vector<double>& cosines, const std::string& fragment) {
     DicomBuilder image = plain_multi_frame();
     expect_refused(image.set_decimals(0x00180088, {2}).set_decimals(0x00200037, cosines), fragment);
@@ -643,8 +643,8 @@ TEST(DicomImage, OrientationsThatAreNone) {
   refuse({1, 0, 0, 0.5, 0.866, 0}, "not perpendicular");
 }
 
-// Scanners write cosines of six digits: axes that are neither of length 1 nor perpendicular to the
-// last digit of a double.
+// Scanners write cosines with six digits: as doubles, the axes are neither of length 1 nor
+// perpendicular.
 TEST(DicomImage, RoundedOrientationsAreMadeOrthonormal) {
   DicomBuilder image = plain_multi_frame();
   image.set_decimals(0x00180088, {2})

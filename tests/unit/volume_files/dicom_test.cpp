@@ -19,13 +19,13 @@ namespace fs = std::filesystem;
 struct Slice {
   std::string file;
   Vec3 position;
-  std::int16_t value;  // of all its samples
+  std::int16_t value;  // value of all its samples
   std::string series = "1.2.826.0.1.3680043.2.1125.1.1";
   std::string instance_number = "1";
   std::size_t width = 6;
 };
 
-// Slices that face along y, as in a coronal series: x axis to the left, y axis down.
+// Slices with a normal along y, as in a coronal series: x axis to the left, y axis down.
 const std::array<Vec3, 3> kCoronal{Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}};
 
 std::string numbered(std::string prefix, int i) { return prefix += std::to_string(i); }
@@ -59,9 +59,9 @@ void write_slice(const fs::path& folder, const Slice& slice) {
   write_with(*image_io, folder / slice.file, grid, SampleType::int16, bytes);
 }
 
-TEST(Dicom, SlicesAreSortedByPlaceNotByName) {
+TEST(Dicom, SlicesAreSortedByPositionNotByName) {
   const TempFolder folder;
-  // File names and instance numbers both run against the positions along +y, the slices' normal.
+  // File names and instance numbers decrease along +y, the slices' normal.
   const double first = 40, step = 2.5;
   for (int i = 0; i < 5; ++i) {
     write_slice(folder.path(), {.file = numbered("s", 9 - i),
@@ -85,8 +85,7 @@ TEST(Dicom, SlicesAreSortedByPlaceNotByName) {
 
 TEST(Dicom, TiltedGantryStaysTilted) {
   const TempFolder folder;
-  for (int i = 0; i < 3;
-       ++i) {  // each slice is moved 1 along z while it steps 2 along its normal, y
+  for (int i = 0; i < 3; ++i) {  // each slice is offset by 1 along z and by 2 along its normal, y
     write_slice(folder.path(),
                 {.file = numbered("s", i), .position = {0, 2.0 * i, 1.0 * i}, .value = 0});
   }
@@ -105,7 +104,7 @@ TEST(Dicom, MissingSliceIsAnError) {
                [&] { read_volume(folder.path()); });
 }
 
-TEST(Dicom, TwoSlicesAtOnePlaceAreAnError) {
+TEST(Dicom, TwoSlicesAtOnePositionAreAnError) {
   const TempFolder folder;
   write_slice(folder.path(), {.file = "a", .position = {0, 0, 0}, .value = 0});
   write_slice(folder.path(), {.file = "b", .position = {0, 2, 0}, .value = 0});
@@ -137,7 +136,7 @@ TEST(Dicom, SlicesOfDifferentSizeAreNotOneVolume) {
   EXPECT_THROW(read_volume(folder.path()), Error);
 }
 
-TEST(Dicom, OneSliceIsNoVolume) {
+TEST(Dicom, OneSliceIsNotAVolume) {
   const TempFolder folder;
   write_slice(folder.path(), {.file = "a", .position = {0, 0, 0}, .value = 0});
   expect_error(ErrorCode::unsupported, "6 x 4 x 1", folder.path(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders of TIFF or PNG images, each a slice.
+// Folders of TIFF or PNG images, each of which is a slice.
 #include <gtest/gtest.h>
 #include <png.h>
 
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kNone;
-const std::string kNoSpacing = "states no voxel size, 1 x 1 x 1 is assumed";
+const std::string kNoSpacing = "states no voxel size; 1 x 1 x 1 is assumed";
 
 std::string slice(int number, const std::string& description = "", std::uint32_t width = 4) {
   return TiffWriter()
@@ -31,9 +31,9 @@ struct PngImage {
   std::uint32_t width = 4, height = 3;
   int bits = 8;
   int colours = PNG_COLOR_TYPE_GRAY;
-  std::vector<std::string> rows = {};  // packed, 16 bits with the high byte first
+  std::vector<std::string> rows = {};  // packed; 16 bits with the high byte first
   bool is_interlaced = false;
-  bool has_display_chunks = false;  // gamma, a transparent colour, a physical size
+  bool has_display_chunks = false;  // gamma, a transparent colour and a physical size
 };
 
 void write_png(const fs::path& path, PngImage image) {
@@ -71,11 +71,11 @@ class ImageStack : public testing::Test {
   VolumeFile read(const ReadOptions& options = {}) {
     return read_volume_file(folder_.path(), options);
   }
-  void refuse(ErrorCode code, const std::string& says, const fs::path& named,
+  void refuse(ErrorCode code, const std::string& message, const fs::path& named,
               const ReadOptions& options = {}) {
-    expect_error(code, says, named, [&] { read_volume_file(folder_.path(), options); });
+    expect_error(code, message, named, [&] { read_volume_file(folder_.path(), options); });
   }
-  void refuse(ErrorCode code, const std::string& says) { refuse(code, says, folder_.path()); }
+  void refuse(ErrorCode code, const std::string& message) { refuse(code, message, folder_.path()); }
   std::vector<int> slices() {
     const VolumeFile file = read();
     std::vector<int> values;
@@ -100,10 +100,10 @@ TEST(ImageStackField, FolderOfTiffSlices) {
   EXPECT_EQ(spaced.source.warnings, kNone);
 }
 
-TEST_F(ImageStack, NumbersCountNotLetters) {
+TEST_F(ImageStack, SlicesAreSortedByNumberNotByName) {
   for (const int number : {10, 8, 9, 11, 12}) add("s" + std::to_string(number) + "b.tif", number);
   EXPECT_EQ(slices(), (std::vector{8, 9, 10, 11, 12}));
-  // What else there is in a folder.
+  // Other files in the folder.
   write_bytes(folder_ / "._s8b.tif", "resource fork");
   write_bytes(folder_ / ".DS_Store", "x");
   write_bytes(folder_ / "Thumbs.db", "x");
@@ -168,7 +168,7 @@ TEST_F(ImageStack, TiffAndPngTogether) {
   refuse(ErrorCode::unsupported, "are not named alike");
 }
 
-TEST_F(ImageStack, OneImageAlone) {
+TEST_F(ImageStack, OneImageIsRefused) {
   add("s1.tif", 1);
   refuse(ErrorCode::unsupported, "is a folder with one image, 's1.tif'");
 }
@@ -197,7 +197,7 @@ TEST_F(ImageStack, SlicesThatDiffer) {
 }
 
 TEST_F(ImageStack, ImageJsLengths) {
-  // An image sequence that ImageJ saved knows lengths along x and y.
+  // An image sequence saved by ImageJ states lengths along x and y.
   TiffPage page{.samples = std::string(12, 'a'),
                 .description = "ImageJ=1.53t\nunit=um\n",
                 .more = {{282, 5, {4, 1}}, {283, 5, {4, 1}}, {296, 3, {1}}}};
@@ -207,7 +207,7 @@ TEST_F(ImageStack, ImageJsLengths) {
   EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.25, 0.25, 1}));
   EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_EQ(file.source.warnings,
-            std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
+            std::vector<std::string>{"states no voxel size along z; 1 um is assumed there"});
 }
 
 TEST_F(ImageStack, ImageJsSignedSamples) {
@@ -225,13 +225,13 @@ TEST_F(ImageStack, ImageJsSignedSamples) {
          folder_ / "s2.tif");
 }
 
-TEST_F(ImageStack, ImagesBehindAPageAreNotOverlooked) {
+TEST_F(ImageStack, ImagesAfterAPageAreDetected) {
   add("s1.tif", 1);
   TiffPage page{.samples = std::string(24, 'a'),
                 .description = "ImageJ=1.53t\nimages=2\nslices=2\n",
                 .strip_bytes = 12};
   write_bytes(folder_ / "s2.tif", TiffWriter().add(page).bytes());
-  refuse(ErrorCode::unsupported, "has 2 images behind one page", folder_ / "s2.tif");
+  refuse(ErrorCode::unsupported, "has 2 images after one page", folder_ / "s2.tif");
 }
 
 TEST_F(ImageStack, RedGreenBlue) {
@@ -268,7 +268,7 @@ TEST_F(ImageStack, PngOfAnyDepth) {
   struct Depth {
     int bits;
     std::vector<std::string> rows;
-    std::vector<double> values;  // of the first row
+    std::vector<double> values;  // samples of the first row
     SampleType type;
   };
   const std::vector<Depth> depths{
@@ -354,7 +354,7 @@ TEST_F(ImageStack, PngCutAnywhere) {
   }
 }
 
-TEST_F(ImageStack, PngThatPromisesTooMuch) {
+TEST_F(ImageStack, PngThatStatesTooLargeSizes) {
   write_png(folder_ / "s1.png", {.rows = {"abcd", "efgh", "ijkl"}});
   write_png(folder_ / "s2.png", {.rows = {"abcd", "efgh", "ijkl"}});
   for (const char* name : {"s1.png", "s2.png"}) {
@@ -367,7 +367,7 @@ TEST_F(ImageStack, PngThatPromisesTooMuch) {
 
 TEST_F(ImageStack, OneImageByItself) {
   write_png(folder_ / "s1.png", {.rows = {"aaaa", "bbbb", "cccc"}});
-  expect_error(ErrorCode::unsupported, "is a 2-D PNG image (a folder with all slices is read)",
+  expect_error(ErrorCode::unsupported, "is a 2-D PNG image (give the folder with all slices)",
                folder_ / "s1.png", [&] { read_volume_file(folder_ / "s1.png"); });
   add("t1.tif", 1);
   expect_error(
@@ -376,8 +376,8 @@ TEST_F(ImageStack, OneImageByItself) {
       folder_ / "t1.tif", [&] { read_volume_file(folder_ / "t1.tif"); });
 }
 
-// A preview image beside a DICOM series does not make it a folder of images.
-TEST_F(ImageStack, DicomComesFirst) {
+// A preview image next to a DICOM series does not make its folder a folder of images.
+TEST_F(ImageStack, DicomPrecedesImages) {
   write_png(folder_ / "preview1.png", {.rows = {"aaaa", "bbbb", "cccc"}});
   write_png(folder_ / "preview2.png", {.rows = {"aaaa", "bbbb", "cccc"}});
   EXPECT_EQ(read().source.format, "PNG slices");

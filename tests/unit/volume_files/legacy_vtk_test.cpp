@@ -16,7 +16,7 @@
 namespace isoatlas::detail::test {
 namespace {
 
-// SHA-256 of the field volumes' samples, by numpy and VTK's own reader.
+// SHA-256 of the samples of the field volumes, by numpy and VTK's own reader.
 constexpr const char* kFieldDigest =
     "a4fa5c761d0d079ac164ffc4193be0900ba5767e29e874e52f6d693c4b75c59d";
 constexpr const char* kGeometry = "DIMENSIONS 4 3 2\nSPACING 0.5 0.25 2\nORIGIN 1 2 3\n";
@@ -63,10 +63,10 @@ class LegacyVtk : public testing::Test {
     write_bytes(path(), bytes);
     return read_volume_file(path(), options);
   }
-  void expect_refused(const std::string& bytes, ErrorCode code, const std::string& says,
+  void expect_refused(const std::string& bytes, ErrorCode code, const std::string& message,
                       const ReadOptions& options = {}) {
     write_bytes(path(), bytes);
-    expect_error(code, says, path(), [&] { read_volume_file(path(), options); });
+    expect_error(code, message, path(), [&] { read_volume_file(path(), options); });
   }
   std::filesystem::path path() const { return folder_ / "a.vtk"; }
   TempFolder folder_;
@@ -102,7 +102,7 @@ TEST_F(LegacyVtk, FieldVolumesAreRead) {
 }
 
 // As vtkStructuredPointsWriter writes it with WriteExtent.
-TEST_F(LegacyVtk, ExtentsSayWhereTheFirstPointIs) {
+TEST_F(LegacyVtk, ExtentsLocateTheFirstPoint) {
   const std::string geometry = "EXTENT -2 1 3 5 1 2\nSPACING 0.5 1 2\nORIGIN 10 20 30\n";
   const std::string values =
       "POINT_DATA 24\nSCALARS v float\nLOOKUP_TABLE default\n" + integers(kPoints);
@@ -258,7 +258,7 @@ TEST_F(LegacyVtk, SeveralArraysAreListed) {
   expect_ramp(read(twice, {.array = "s2"}), kPoints, 8);
 }
 
-TEST_F(LegacyVtk, WhatIsNoVolumeIsNotListed) {
+TEST_F(LegacyVtk, ArraysThatAreNotVolumesAreNotListed) {
   const std::string file =
       start("ASCII") +
       "FIELD FieldData 2\nTIME 1 1 double\n0.5\nnames 1 2 string\none%20two\nthree\n" + kGeometry +
@@ -302,7 +302,7 @@ TEST_F(LegacyVtk, KeywordsLineEndsAndOrderAreFree) {
       read(start("ASCII") + kGeometry + "POINT_DATA 24\nSCALARS s float 1\n" + integers(kPoints)));
 }
 
-TEST_F(LegacyVtk, SaysWhereThereIsNoSpacing) {
+TEST_F(LegacyVtk, WarnsOfMissingSpacing) {
   const std::string rest =
       "POINT_DATA 24\nSCALARS s float\nLOOKUP_TABLE default\n" + big_endian(ramp(kPoints));
   EXPECT_FALSE(read(start() + "DIMENSIONS 4 3 2\n" + rest).source.has_spacing);
@@ -388,8 +388,8 @@ TEST_F(LegacyVtk, ContradictionsAreNamed) {
   const std::string values = big_endian(ramp(kPoints));
   const std::string scalars = "SCALARS s float\nLOOKUP_TABLE default\n" + values;
   expect_refused(start() + kGeometry + "POINT_DATA 23\n" + scalars, ErrorCode::bad_file,
-                 "its POINT_DATA states 23 values, but its dimensions 4 x 3 x 2 make 24");
-  expect_refused(start() + kGeometry + scalars, ErrorCode::bad_file, "stand before POINT_DATA");
+                 "its POINT_DATA states 23 values, but its dimensions 4 x 3 x 2 require 24");
+  expect_refused(start() + kGeometry + scalars, ErrorCode::bad_file, "precede POINT_DATA");
   expect_refused(start() + kGeometry + "POINT_DATA 24\nSCALARS s complex\n" + values,
                  ErrorCode::bad_file, "unknown type 'complex'");
   expect_refused(
@@ -406,7 +406,7 @@ TEST_F(LegacyVtk, ContradictionsAreNamed) {
                  "4 x 6 x 1");
 }
 
-TEST_F(LegacyVtk, BytesThatAreLeftAreWarnedOf) {
+TEST_F(LegacyVtk, BytesAfterTheLastSectionGiveAWarning) {
   const std::string whole = start() + kGeometry +
                             "POINT_DATA 24\nSCALARS s float\nLOOKUP_TABLE default\n" +
                             big_endian(ramp(kPoints));
@@ -414,11 +414,11 @@ TEST_F(LegacyVtk, BytesThatAreLeftAreWarnedOf) {
   const VolumeFile longer = read(whole + "\nabcd");
   ASSERT_EQ(longer.source.warnings.size(), 1U);
   EXPECT_EQ(longer.source.warnings[0],
-            "has 5 bytes more than its header promises; they are not read");
+            "has 5 bytes more than its header states; they are not read");
   expect_ramp(longer);
 }
 
-// Whatever is missing at the end, there are all samples or there is an error.
+// A file that is cut gives either all samples or an error.
 TEST_F(LegacyVtk, CutFilesAreRefused) {
   const std::string cells = "CELL_DATA 6\nSCALARS c double\nLOOKUP_TABLE default\n";
   const std::string points = "\nPOINT_DATA 24\nFIELD f 2\na 1 24 float\n";
@@ -434,7 +434,7 @@ TEST_F(LegacyVtk, CutFilesAreRefused) {
     const std::string digest = sample_digest(read(whole, {.array = "a"}).volume);
     const std::size_t end = whole.find_last_not_of(" \n") + 1;
     const std::size_t first_whole =
-        whole == ascii ? end - 2 : end;  // "123" that lost its last digits is a number
+        whole == ascii ? end - 2 : end;  // "123" without its last digits is still a number
     for (std::size_t size = 1; size < end; ++size) {
       write_bytes(path(), whole.substr(0, size));
       if (size < first_whole) {
@@ -456,14 +456,14 @@ TEST_F(LegacyVtk, CompressedFilesAreRefused) {
                [&] { read_volume(path()); });
 }
 
-TEST_F(LegacyVtk, PromisesAreCheckedBeforeMemoryIsAllocated) {
+TEST_F(LegacyVtk, StatedSizesAreCheckedBeforeMemoryIsAllocated) {
   const std::string huge = "DIMENSIONS 2000000 1000000 1000000\nPOINT_DATA 2000000000000000000\n";
   expect_refused(start() + huge + "SCALARS s float\nLOOKUP_TABLE default\nabc", ErrorCode::bad_file,
                  "more than any file can hold");
   expect_refused(start("ASCII") +
                      "DIMENSIONS 2000 1000 1000\nPOINT_DATA 2000000000\nSCALARS s "
                      "float\nLOOKUP_TABLE default\n1 2",
-                 ErrorCode::bad_file, "promises 2000000000 numbers, the file has 2");
+                 ErrorCode::bad_file, "states 2000000000 numbers, the file has 2");
   expect_refused(start() + "DIMENSIONS 4294967296 4294967296 4294967296\nPOINT_DATA 0\n",
                  ErrorCode::bad_file, "more than any file can hold");
   expect_refused(start() + kGeometry + "POINT_DATA 24\nFIELD f 99999999999\na 0 0 float\n",

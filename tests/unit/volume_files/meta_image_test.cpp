@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MetaImage: what the format can contain, file by file.
+// MetaImage: the features of the format, file by file.
 // https://itk.org/Wiki/ITK/MetaIO/Documentation
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ std::string four_dimensional(const std::string& size, const std::string& body,
          "\nElementType = MET_UCHAR\nElementDataFile = " + data_file + "\n" + body;
 }
 
-// ---- the inputs from the field
+// ---- field files
 
 TEST(MetaImageField, CompressedSizeIsNotNeeded) {
   const VolumeFile with_size = read_volume_file(kField / "m_comp_size_u8.mha");
@@ -53,9 +53,9 @@ TEST(MetaImageField, CompressedSizeMayBeZero) {
   const VolumeFile file = read_volume_file(kField / "m_csize_zero.mha");
   const std::string samples = samples_of(file.volume);
   EXPECT_EQ(samples.size(), 7680u);
-  EXPECT_EQ(
-      sample_digest(file.volume),
-      "33700db4cac6c91b28d42786b26463668b51164b21583db0260e2bc61a4e4246");  // of Python's zlib
+  EXPECT_EQ(sample_digest(file.volume),
+            "33700db4cac6c91b28d42786b26463668b51164b21583db0260e2bc61a4e4246");  // decompressed by
+                                                                                  // Python's zlib
 }
 
 TEST(MetaImageField, ListOfSlices) {
@@ -63,7 +63,7 @@ TEST(MetaImageField, ListOfSlices) {
   EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{24, 20, 16}));
   EXPECT_EQ(file.volume.view.type, SampleType::float32);
   EXPECT_EQ(samples_of(file.volume), read_bytes(kField / "r_det.raw"));
-  EXPECT_EQ(file.source.warnings, Strings{"states no voxel size, 1 x 1 x 1 is assumed"});
+  EXPECT_EQ(file.source.warnings, Strings{"states no voxel size; 1 x 1 x 1 is assumed"});
 }
 
 // ---- geometry
@@ -103,7 +103,7 @@ TEST(MetaImageGrid, NamesOfTheMatrix) {
       .expect_refused(kBad, "its TransformMatrix is '1 0 0 1', expected 9 numbers");
 }
 
-TEST(MetaImageGrid, CentreOfRotationMovesNothing) {  // as in ITK
+TEST(MetaImageGrid, CentreOfRotationIsIgnored) {  // as in ITK
   const Grid grid =
       MetaFile(
           small("CenterOfRotation = 5 6 7\nOffset = 1 2 3\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n"))
@@ -117,7 +117,7 @@ TEST(MetaImageGrid, Spacing) {
   EXPECT_EQ(file("ElementSpacing = 0.5 1 2\nElementSize = 3 4 5\n").volume.view.grid.spacing,
             (Vec3{0.5, 1, 2}));
   EXPECT_EQ(file("ElementSize = 3 4 5\n").volume.view.grid.spacing, (Vec3{3, 4, 5}));
-  EXPECT_EQ(file("").source.warnings, Strings{"states no voxel size, 1 x 1 x 1 is assumed"});
+  EXPECT_EQ(file("").source.warnings, Strings{"states no voxel size; 1 x 1 x 1 is assumed"});
   EXPECT_EQ(file("ElementSpacing = 1 -2 3\n").volume.view.grid.direction[1], (Vec3{0, -1, 0}));
   MetaFile(small("ElementSpacing = 1 nan 3\n")).expect_refused(kBad, "spacing along y");
 }
@@ -128,9 +128,10 @@ TEST(MetaImageGrid, Unit) {
   };
   EXPECT_EQ(unit(kSpacing), LengthUnit::unknown);
   EXPECT_EQ(unit(kSpacing + "AnatomicalOrientation = RAI\n"),
-            LengthUnit::millimetre);  // every file of ITK has this
+            LengthUnit::millimetre);  // every file of ITK has this field
   EXPECT_EQ(unit(kSpacing + "AnatomicalOrientation = ???\n"), LengthUnit::unknown);
-  EXPECT_EQ(unit("AnatomicalOrientation = RAI\n"), LengthUnit::unknown);  // no length, no unit
+  EXPECT_EQ(unit("AnatomicalOrientation = RAI\n"),
+            LengthUnit::unknown);  // without a length there is no unit
   EXPECT_EQ(unit(kSpacing + "DistanceUnits = um\nAnatomicalOrientation = RAI\n"),
             LengthUnit::micrometre);
   EXPECT_EQ(unit(kSpacing + "DistanceUnits = mm\n"), LengthUnit::millimetre);
@@ -170,7 +171,7 @@ TEST(MetaImageAxes, Time) {
   EXPECT_EQ(grid.origin, (Vec3{1, 2, 3}));
   MetaFile(four_dimensional("2 3 4 2", counted(48),
                             "TransformMatrix = 1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1\n"))
-      .expect_refused(kUnsupported, "through space and time", {.time = 0});
+      .expect_refused(kUnsupported, "through both space and time", {.time = 0});
   MetaFile("NDims = 5\nDimSize = 2 3 4 1 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
            counted(48))
       .expect_refused(kUnsupported, "has 5 dimensions (2 x 3 x 4 x 1 x 2)");
@@ -239,12 +240,12 @@ TEST(MetaImageSamples, Compressed) {
   EXPECT_EQ(MetaFile(packed("", gzipped(counted(24)))).samples(), counted(24));
   EXPECT_EQ(MetaFile(small(kSpacing + "CompressedData = False\n")).samples(), counted(24));
   MetaFile(packed("", gzipped(counted(23), false)))
-      .expect_refused(kBad, "promises 24 bytes of samples, the file has 23");
+      .expect_refused(kBad, "states 24 bytes of samples, the file has 23");
   MetaFile(packed("", zlib.substr(0, zlib.size() - 4))).expect_refused(kBad, "is cut off");
   MetaFile(packed("", counted(24))).expect_refused(kBad, "damaged");
   MetaFile(packed("HeaderSize = -1\n", zlib)).expect_refused(kUnsupported, "HeaderSize = -1");
   EXPECT_EQ(MetaFile(packed("", gzipped(counted(30), false))).file().source.warnings,
-            Strings{"has 6 bytes after the last sample that the header promises"});
+            Strings{"has 6 bytes after the last sample that the header states"});
 }
 
 TEST(MetaImageSamples, Text) {
@@ -261,7 +262,7 @@ TEST(MetaImageSamples, Text) {
           .samples(),
       counted(24));
   MetaFile(small(kSpacing + "BinaryData = False\n", text.substr(0, text.size() - 4)))
-      .expect_refused(kBad, "promises 24 numbers");
+      .expect_refused(kBad, "states 24 numbers");
 }
 
 TEST(MetaImageSamples, HeaderSize) {
@@ -291,7 +292,7 @@ TEST(MetaImageSamples, HeaderSize) {
       .expect_refused(kBad, "the file has 0");
 }
 
-TEST(MetaImageSamples, IntensityFunctionIsLeftToOthers) {
+TEST(MetaImageSamples, IntensityFunctionIsNotApplied) {
   const VolumeFile file =
       MetaFile(
           small(kSpacing +
@@ -299,7 +300,7 @@ TEST(MetaImageSamples, IntensityFunctionIsLeftToOthers) {
           .file();
   EXPECT_EQ(samples_of(file.volume), counted(24));
   EXPECT_EQ(file.source.warnings, Strings{"states an ElementToIntensityFunction (slope 2, offset "
-                                          "-1024), which is not applied, as in ITK"});
+                                          "-1024), which isoatlas does not apply, as in ITK"});
   EXPECT_EQ(
       MetaFile(small(kSpacing +
                      "ElementToIntensityFunctionSlope = 1\nElementToIntensityFunctionOffset = 0\n"))
@@ -308,12 +309,12 @@ TEST(MetaImageSamples, IntensityFunctionIsLeftToOthers) {
       Strings{});
 }
 
-TEST(MetaImageSamples, MoreThanPromised) {
+TEST(MetaImageSamples, MoreBytesThanStated) {
   EXPECT_EQ(MetaFile(small(kSpacing, counted(25))).file().source.warnings,
-            Strings{"has 1 bytes after the last sample that the header promises"});
+            Strings{"has 1 bytes after the last sample that the header states"});
   EXPECT_EQ(
       MetaFile(small(kSpacing, "", "a.raw")).with("a.raw", counted(25)).file().source.warnings,
-      Strings{"its data file a.raw has 1 bytes after the last sample that the header promises"});
+      Strings{"its data file a.raw has 1 bytes after the last sample that the header states"});
 }
 
 // ---- data files
@@ -335,7 +336,7 @@ TEST(MetaImageDataFiles, Paths) {
       counted(24));
   MetaFile gz(small(kSpacing, "", "c.raw"));
   EXPECT_EQ(gz.with("c.raw.gz", gzipped(counted(24))).samples(),
-            counted(24));  // MetaIO looks for it too
+            counted(24));  // MetaIO finds it, too
   MetaFile(small(kSpacing, "", "..")).expect_refused(kBad, "is a folder");
 }
 
@@ -370,7 +371,7 @@ TEST(MetaImageDataFiles, List) {
       .with("s03.raw", counted(5))
       .expect_refused(
           kBad,
-          "s03.raw: is cut off or damaged: the header promises 6 bytes of samples, the file has 5");
+          "s03.raw: is cut off or damaged: the header states 6 bytes of samples, the file has 5");
   MetaFile(small(kSpacing, names, "LIST two"))
       .expect_refused(kBad, "expected LIST and a dimension");
 }
@@ -436,14 +437,14 @@ TEST(MetaImageHeader, Spelling) {
                 .samples(),
             counted(24));
   EXPECT_EQ(MetaFile(small(kSpacing + "ElementSpacing = 3 4 5\n")).file().volume.view.grid.spacing,
-            (Vec3{3, 4, 5}));  // the last one counts
+            (Vec3{3, 4, 5}));  // the last spacing counts
 }
 
 TEST(MetaImageHeader, GzippedAsAWhole) {
   EXPECT_EQ(MetaFile(gzipped(small()), "a.mha.gz").samples(), counted(24));
   MetaFile(gzipped(small(kSpacing, counted(23)))).expect_refused(kBad, "the file has 23");
   MetaFile(gzipped(small(kSpacing + "CompressedData = True\n", gzipped(counted(24), false))))
-      .expect_refused(kUnsupported, "expected one packing");
+      .expect_refused(kUnsupported, "expected one compression");
 }
 
 TEST(MetaImageHeader, OtherObjects) {
@@ -474,7 +475,7 @@ TEST(MetaImageHeader, Wrong) {
       .expect_refused(kBad, "DimSize is ''");
   MetaFile(small(kSpacing + "ElementDataFile =\n"), "a.mha")
       .expect_refused(kBad, "no ElementDataFile");
-  // cut anywhere, never more than an error
+  // Cut at any place, a file gives an error at most.
   const std::string whole = small();
   for (std::size_t length = 1; length < whole.size(); ++length) {
     EXPECT_THROW(MetaFile(whole.substr(0, length), "a.mha").file(), Error) << length;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// MGH and MGZ: every type, orientation and frame that FreeSurfer writes, and files cut off or with
-// impossible numbers.
+// MGH and MGZ: every type, orientation and frame that FreeSurfer writes, and files that are cut off
+// or have impossible numbers.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,7 +29,7 @@ struct MghOptions {
   int type = 0;
   std::int16_t good_ras = 1;
   std::array<float, 3> spacing{1, 1, 1};
-  std::array<float, 9> cosines{-1, 0, 0, 0, 0, -1, 0, 1, 0};  // of x, then y, then z
+  std::array<float, 9> cosines{-1, 0, 0, 0, 0, -1, 0, 1, 0};  // x, then y, then z
   std::array<float, 3> middle{0, 0, 0};
 };
 
@@ -55,11 +55,12 @@ class Mgh : public testing::Test {
     write_bytes(folder_ / name, bytes);
     return read_volume_file(folder_ / name, options);
   }
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says,
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& message,
               const ReadOptions& options = {}) {
-    SCOPED_TRACE(says);
+    SCOPED_TRACE(message);
     write_bytes(folder_ / "v.mgz", bytes);
-    expect_error(code, says, folder_ / "v.mgz", [&] { read_volume(folder_ / "v.mgz", options); });
+    expect_error(code, message, folder_ / "v.mgz",
+                 [&] { read_volume(folder_ / "v.mgz", options); });
   }
   template <class T>
   void expect_type(int type, SampleType sample_type) {
@@ -96,13 +97,13 @@ TEST_F(Mgh, EveryType) {
   }
 }
 
-TEST_F(Mgh, IsKnownByItsContent) {
+TEST_F(Mgh, IsFoundByItsContent) {
   EXPECT_EQ(read(mgh({}), {}, "v").source.format, "MGH");
   EXPECT_EQ(read(gzipped(mgh({})), {}, "v.nii").source.format, "MGH");
 }
 
 TEST_F(Mgh, TheMiddleSampleIsAtTheCentre) {
-  // From the format's description: ras = centre + cosines * spacing * (index - size / 2).
+  // From the description of the format: ras = centre + cosines * spacing * (index - size / 2).
   const MghOptions options{.spacing = {0.5F, 2, 3},
                            .cosines = {0, 1, 0, 0.6F, 0, 0.8F, -0.8F, 0, 0.6F},
                            .middle = {10, -20, 30}};
@@ -141,14 +142,13 @@ TEST_F(Mgh, FramesAreAChoice) {
     refuse(packed, ErrorCode::unsupported, "has 3 time points, expected a choice of one: 0, 1, 2");
     refuse(packed, ErrorCode::bad_argument, "has no time '3'", {.time = 3});
   }
-  const std::string cut =
-      bytes.substr(0, bytes.size() - 1);  // in another frame than the one that is read
-  refuse(cut, ErrorCode::bad_file, "promises 72 bytes of samples, the file has 71", {.time = 0});
-  refuse(gzipped(cut), ErrorCode::bad_file, "promises 72 bytes of samples, the file has 71",
+  const std::string cut = bytes.substr(0, bytes.size() - 1);  // cut in a frame that is not read
+  refuse(cut, ErrorCode::bad_file, "states 72 bytes of samples, the file has 71", {.time = 0});
+  refuse(gzipped(cut), ErrorCode::bad_file, "states 72 bytes of samples, the file has 71",
          {.time = 0});
 }
 
-TEST_F(Mgh, WhatFollowsTheSamplesIsNoNews) {
+TEST_F(Mgh, DataAfterTheSamplesGivesNoWarning) {
   for (const std::string& bytes :
        {mgh({}) + "scan parameters", gzipped(mgh({}) + "scan parameters")}) {
     EXPECT_TRUE(read(bytes).source.warnings.empty());
@@ -164,7 +164,7 @@ TEST_F(Mgh, DamagedFilesAreRefused) {
   refuse(mgh({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF, 1}}), ErrorCode::bad_file,
          "more than any file can hold");
   refuse(mgh({.size = {4, 3, 2, 1000000}}), ErrorCode::bad_file,
-         "promises 24000000 bytes of samples, the file has 24");
+         "states 24000000 bytes of samples, the file has 24");
   refuse(mgh({.size = {4, 3, 2, 0x7FFFFFFF}}), ErrorCode::unsupported,
          "2147483647 volumes, expected at most 1000000");
   refuse(gzipped(mgh({.size = {30000, 30000, 30000, 1}})), ErrorCode::bad_file,

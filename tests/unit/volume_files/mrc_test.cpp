@@ -27,13 +27,13 @@ struct MrcOptions {
   std::array<float, 3> cell{4, 3, 2};
   std::array<float, 3> angles{90, 90, 90};
   std::array<int, 3> axes{1, 2, 3};
-  std::array<float, 2> range{0, -1};  // not known
+  std::array<float, 2> range{0, -1};  // unknown
   int space_group = 1;
   int extended_bytes = 0;
   int imod_stamp = 0, imod_flags = 0;
   std::array<float, 3> origin{0, 0, 0};
   std::string map = "MAP ";
-  std::string stamp = "";  // that of the byte order
+  std::string stamp = "";  // empty: the stamp of the byte order
   bool big_endian = false;
 };
 
@@ -73,11 +73,12 @@ class Mrc : public testing::Test {
     write_bytes(folder_ / name, bytes);
     return read_volume_file(folder_ / name, options);
   }
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says,
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& message,
               const ReadOptions& options = {}) {
-    SCOPED_TRACE(says);
+    SCOPED_TRACE(message);
     write_bytes(folder_ / "v.mrc", bytes);
-    expect_error(code, says, folder_ / "v.mrc", [&] { read_volume(folder_ / "v.mrc", options); });
+    expect_error(code, message, folder_ / "v.mrc",
+                 [&] { read_volume(folder_ / "v.mrc", options); });
   }
   template <class T>
   void expect_mode(int mode, SampleType type) {
@@ -136,7 +137,7 @@ TEST_F(Mrc, BytesAreSignedOrNot) {
   expect({.range = {0, 240}, .imod_stamp = kImod, .imod_flags = 1}, -16, "signed, IMOD's flag");
   EXPECT_THROW(read(mrc({.imod_stamp = kImod, .imod_flags = 16}, samples)), Error);  // 4 bits
   expect({.imod_flags = 17}, -16,
-         "signed, MRC2014");  // without IMOD's mark the field means nothing
+         "signed, MRC2014");  // without IMOD's stamp the field has no meaning
 }
 
 TEST_F(Mrc, SpacingIsTheCellDividedByItsIntervals) {
@@ -170,11 +171,12 @@ TEST_F(Mrc, OriginIsStatedInTwoWays) {
 }
 
 TEST_F(Mrc, AxesInAnyOrder) {
-  // Columns along z, rows along x, sections along y: the samples stay, the grid turns.
+  // Columns along z, rows along x, sections along y: the samples stay in order, the axes of the
+  // grid change.
   const VolumeFile file = read(
       mrc({.start = {1, 2, 3}, .intervals = {3, 2, 4}, .cell = {3, 4, 12}, .axes = {3, 1, 2}}));
   const Grid& grid = file.volume.view.grid;
-  expect_size_and_spacing(file.volume, kSize, {3, 1, 2}, 0);  // of z, x and y
+  expect_size_and_spacing(file.volume, kSize, {3, 1, 2}, 0);  // along z, x and y
   EXPECT_EQ(grid.to_world({0, 0, 0}), (Vec3{2, 6, 3}));
   EXPECT_EQ(grid.to_world({1, 0, 0}), (Vec3{2, 6, 6}));
   EXPECT_EQ(grid.to_world({0, 1, 0}), (Vec3{3, 6, 3}));
@@ -184,13 +186,13 @@ TEST_F(Mrc, AxesInAnyOrder) {
   EXPECT_EQ(decision(file, "axes"), "columns, rows and sections along zxy");
   EXPECT_TRUE(read(mrc({.axes = {2, 1, 3}})).volume.view.grid.mirrored());
   EXPECT_EQ(read(mrc({.axes = {0, 0, 0}})).volume.view.grid.direction,
-            Grid{}.direction);  // old programs
+            Grid{}.direction);  // as old programs write it
   const std::string big = mrc({.mode = 0, .axes = {0, 0, 0}, .big_endian = true},
                               bytes_of(std::vector<std::int8_t>(kCount, 1), true));
-  EXPECT_EQ(read(big).volume.view.grid.size, kSize);  // its header makes sense in either byte order
+  EXPECT_EQ(read(big).volume.view.grid.size, kSize);  // its header is valid in either byte order
 }
 
-TEST_F(Mrc, CellsNeedNotBeRight) {
+TEST_F(Mrc, CellsNeedNotHaveRightAngles) {
   const VolumeFile file = read(mrc({.cell = {8, 9, 10}, .angles = {90, 120, 90}}));
   const Grid& grid = file.volume.view.grid;
   expect_near(grid.direction[0], {1, 0, 0}, 1e-12);
@@ -200,7 +202,8 @@ TEST_F(Mrc, CellsNeedNotBeRight) {
   const VolumeFile hexagonal = read(mrc({.angles = {90, 90, 120}}));
   expect_near(hexagonal.volume.view.grid.direction[1], {-0.5, std::sqrt(0.75), 0}, 1e-12);
   EXPECT_EQ(read(mrc({.angles = {0, 0, 0}})).volume.view.grid.direction, Grid{}.direction);
-  refuse(mrc({.angles = {10, 90, 170}}), ErrorCode::bad_file, "direction");  // no such cell
+  refuse(mrc({.angles = {10, 90, 170}}), ErrorCode::bad_file,
+         "direction");  // such a cell does not exist
 }
 
 TEST_F(Mrc, TheExtendedHeaderIsSkipped) {
@@ -209,7 +212,7 @@ TEST_F(Mrc, TheExtendedHeaderIsSkipped) {
   refuse(mrc({.extended_bytes = -1}), ErrorCode::bad_file, "its extended header has -1 bytes");
   std::string bytes = mrc({});
   put(bytes, 92, 0x7FFFFFFF, false);
-  refuse(bytes, ErrorCode::bad_file, "promises 24 bytes of samples, the file has 0");
+  refuse(bytes, ErrorCode::bad_file, "states 24 bytes of samples, the file has 0");
 }
 
 TEST_F(Mrc, StacksOfVolumesAreAChoice) {
@@ -225,13 +228,13 @@ TEST_F(Mrc, StacksOfVolumesAreAChoice) {
          "a stack of volumes of 0 sections");
 }
 
-TEST_F(Mrc, StacksOfImagesAreWarnedOf) {
+TEST_F(Mrc, StacksOfImagesGiveAWarning) {
   expect_one_warning(read(mrc({.intervals = {4, 3, 1}, .space_group = 0})),
                      "a stack of images, not a volume");
-  EXPECT_TRUE(read(mrc({.space_group = 0})).source.warnings.empty());  // IMOD's volumes
+  EXPECT_TRUE(read(mrc({.space_group = 0})).source.warnings.empty());  // as in IMOD's volumes
 }
 
-TEST_F(Mrc, TheByteOrderIsTheOneThatMakesSense) {
+TEST_F(Mrc, TheByteOrderIsTheOneWithAValidHeader) {
   const std::string samples = bytes_of(ramp<std::int16_t>(kCount), true);
   for (const char* stamp : {"\x44\x44", "\x11\x11", "xx"}) {
     const VolumeFile file = read(mrc({.mode = 1, .stamp = stamp, .big_endian = true}, samples));
@@ -239,7 +242,7 @@ TEST_F(Mrc, TheByteOrderIsTheOneThatMakesSense) {
   }
 }
 
-TEST_F(Mrc, OldFilesHaveNoMark) {
+TEST_F(Mrc, OldFilesHaveNoMagic) {
   EXPECT_EQ(sample_as_double(read(mrc({.map = ""})).volume, 9), 9);
   EXPECT_EQ(read(mrc({}), {}, "v").source.format, "MRC");
   write_bytes(folder_ / "v.rec", "a recording of something else" + std::string(2000, 'x'));
@@ -251,17 +254,17 @@ TEST_F(Mrc, DamagedFilesAreRefused) {
   const std::string bytes = mrc({});
   for (const std::size_t length : {1, 200, 1023, 1024, 1025, 1047})
     refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
-  refuse(mrc({.size = {4, 3, 0}}), ErrorCode::bad_file, "make no sense");
-  refuse(mrc({.axes = {1, 1, 2}}), ErrorCode::bad_file, "make no sense");
-  refuse(mrc({.axes = {1, 2, 4}}), ErrorCode::bad_file, "make no sense");
+  refuse(mrc({.size = {4, 3, 0}}), ErrorCode::bad_file, "not valid");
+  refuse(mrc({.axes = {1, 1, 2}}), ErrorCode::bad_file, "not valid");
+  refuse(mrc({.axes = {1, 2, 4}}), ErrorCode::bad_file, "not valid");
   refuse(mrc({.axes = {std::numeric_limits<int>::min(), 2, 3}}), ErrorCode::bad_file,
-         "make no sense");  // fuzzing: no overflow
-  refuse(mrc({.mode = -1}), ErrorCode::bad_file, "make no sense");
+         "not valid");  // fuzzing: no overflow
+  refuse(mrc({.mode = -1}), ErrorCode::bad_file, "not valid");
   refuse(mrc({.size = {4, 3, 1}}), ErrorCode::unsupported, "4 x 3 x 1 samples");
   refuse(mrc({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF}}), ErrorCode::bad_file,
          "more than any file can hold");
   refuse(mrc({.size = {2000, 2000, 2000}}), ErrorCode::bad_file,
-         "promises 8000000000 bytes of samples, the file has 24");
+         "states 8000000000 bytes of samples, the file has 24");
   refuse(gzipped(mrc({.size = {2000, 2000, 2000}})), ErrorCode::bad_file, "far more than");
   refuse(mrc({.cell = {std::numeric_limits<float>::infinity(), 1, 1}}), ErrorCode::bad_file,
          "spacing along x");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// NIfTI-1, NIfTI-2 and Analyze 7.5: what people's programs write, and what the specification
-// allows.
+// NIfTI-1, NIfTI-2 and Analyze 7.5: files of users' programs, and what the specification allows.
 #include <bzlib.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +30,7 @@ namespace fs = std::filesystem;
 constexpr std::array<std::size_t, 3> kFieldSize{24, 20, 16};
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// ---- files by hand: 4 x 3 x 2 samples
+// ---- files written by hand: 4 x 3 x 2 samples
 
 constexpr std::size_t kCount = 24;
 constexpr std::array<std::size_t, 3> kSize{4, 3, 2};
@@ -106,31 +105,32 @@ class Nifti : public testing::Test {
     return read_volume_file(folder_ / name, options);
   }
 
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says,
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& message,
               const ReadOptions& options = {}) {
-    SCOPED_TRACE(says);
+    SCOPED_TRACE(message);
     write_bytes(folder_ / "v.nii", bytes);
     testing::internal::CaptureStderr();
-    expect_error(code, says, folder_ / "v.nii", [&] { read_volume(folder_ / "v.nii", options); });
+    expect_error(code, message, folder_ / "v.nii",
+                 [&] { read_volume(folder_ / "v.nii", options); });
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   }
 
-  // The world position of a sample in right-anterior-superior, as the header's formulas give it.
+  // The world position of a sample in right-anterior-superior, by the formulas of the format.
   static void expect_ras(const Grid& grid, Vec3 index, Vec3 ras, double tolerance = 1e-5) {
     expect_near(grid.to_world(index), {-ras.x, -ras.y, ras.z}, tolerance);
   }
 };
 
-// ---- files from the field
+// ---- field files
 
 struct FieldNifti {
   std::string name;
   Vec3 spacing, origin;
   std::array<Vec3, 3> direction;
-  std::string warning;  // empty: none
+  std::string warning;  // empty if there is none
 };
 
-TEST(FieldNifti, AreReadAsTheyAreMeant) {
+TEST(FieldNifti, HaveTheIntendedGeometry) {
   const std::array kLeftAnterior{Vec3{1, 0, 0}, Vec3{0, -1, 0},
                                  Vec3{0, 0, 1}};  // x runs to the left
   const std::array kRightAnterior{Vec3{-1, 0, 0}, Vec3{0, -1, 0},
@@ -226,7 +226,7 @@ TEST_F(Nifti, EveryTypeInBothByteOrdersAndVersions) {
         header.qoffset_x = stored(static_cast<decltype(header.qoffset_x)>(5));
       };
       fill(first);
-      // Packed fields cannot be bound to references.
+      // Fields of packed structures cannot be bound to references.
       second.sizeof_hdr = stored(540);
       second.datatype = stored(datatype);
       for (int i = 0; i < 8; ++i) {
@@ -290,7 +290,7 @@ TEST_F(Nifti, ScaledSamplesAreFloatOrDouble) {
   const VolumeFile doubles = read(one_file(header, bytes_of(ramp<double>(kCount))));
   EXPECT_EQ(doubles.volume.view.type, SampleType::float64);
   EXPECT_EQ(sample_as_double(doubles.volume, 3), 3 * static_cast<double>(0.1F) - 7);
-  // 2^24 + 1 is no float: it is scaled as it is, not rounded first.
+  // 2^24 + 1 is not a float: it is scaled exactly, not rounded first.
   header.datatype = 8;
   header.scl_slope = 1;
   header.scl_inter = -16777216;
@@ -311,7 +311,7 @@ TEST_F(Nifti, ScaledNaNStaysNaN) {
   EXPECT_EQ(sample_as_double(file.volume, 5), 10);
 }
 
-TEST_F(Nifti, UnusableScalesAreLeftOut) {
+TEST_F(Nifti, UnusableScalesAreIgnored) {
   const auto values = ramp<std::int16_t>(kCount);
   for (const float slope : {0.0F, kNaN, std::numeric_limits<float>::infinity()}) {
     nifti_1_header header = header1(4);
@@ -335,26 +335,26 @@ TEST_F(Nifti, UnusableScalesAreLeftOut) {
       9e-20F);
 }
 
-TEST_F(Nifti, SamplesBeginWhereTheHeaderSays) {
+TEST_F(Nifti, SamplesBeginAtTheStatedOffset) {
   const std::string samples = bytes_of(ramp<std::uint8_t>(kCount));
   nifti_1_header header = header1();
-  header.vox_offset = 368;  // an extension of 16 bytes
+  header.vox_offset = 368;  // after an extension of 16 bytes
   EXPECT_EQ(sample_as_double(read(one_file(header, std::string(16, 'x') + samples)).volume, 9), 9);
   header.vox_offset = 0;
   EXPECT_EQ(sample_as_double(read(one_file(header, samples)).volume, 9), 9);
-  header.vox_offset = 348;  // without the mark for extensions
+  header.vox_offset = 348;  // without the four bytes about extensions
   EXPECT_EQ(sample_as_double(read(header_bytes(header) + samples).volume, 9), 9);
   for (const float offset : {-16.0F, 100.0F, kNaN, 1e20F}) {
     header.vox_offset = offset;
     refuse(one_file(header, samples), ErrorCode::bad_file,
-           "by vox_offset, expected a place after the header");
+           "by vox_offset, expected an offset after the header");
   }
   header.vox_offset = 1e9F;
   refuse(one_file(header, samples), ErrorCode::bad_file,
-         "promises 24 bytes of samples, the file has 0");
+         "states 24 bytes of samples, the file has 0");
 }
 
-TEST_F(Nifti, StatedBitsOfAnotherTypeAreSaid) {
+TEST_F(Nifti, StatedBitsOfAnotherTypeGiveAWarning) {
   nifti_1_header header = header1();
   header.bitpix = 16;
   expect_one_warning(read(one_file(header)), "states 16 bits per sample, but the type uint8");
@@ -372,7 +372,7 @@ TEST_F(Nifti, TimeAndChannelAreChosen) {
   const std::string bytes = one_file(header, bytes_of(ramp<std::uint8_t>(6 * kCount)));
   for (const std::string& file : {bytes, gzipped(bytes)}) {
     const VolumeFile chosen = read(file, {.channel = "2", .time = 1});
-    EXPECT_EQ(sample_as_double(chosen.volume, 0), 5 * kCount);  // time runs faster
+    EXPECT_EQ(sample_as_double(chosen.volume, 0), 5 * kCount);  // time is the faster axis
     EXPECT_EQ(sample_as_double(chosen.volume, 23), 6 * kCount - 1);
     ASSERT_EQ(chosen.source.choices.size(), 2u);
     EXPECT_EQ(chosen.source.choices[0].name, "time");
@@ -384,19 +384,19 @@ TEST_F(Nifti, TimeAndChannelAreChosen) {
     refuse(file, ErrorCode::unsupported, "has 3 channels", {.time = 0});
     refuse(file, ErrorCode::bad_argument, "has no channel '3'", {.channel = "3", .time = 0});
   }
-  // All volumes have to be there, whichever is read.
+  // All volumes must be in the file, whichever is read.
   refuse(bytes.substr(0, bytes.size() - 1), ErrorCode::bad_file,
-         "promises 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
+         "states 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
   refuse(gzipped(bytes.substr(0, bytes.size() - 1)), ErrorCode::bad_file,
-         "promises 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
+         "states 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
 }
 
-TEST_F(Nifti, DimensionsOfOneAreNone) {
+TEST_F(Nifti, DimensionsOfOneAreDropped) {
   nifti_1_header header = header1();
   header.dim[0] = 7;
   EXPECT_TRUE(read(one_file(header)).source.choices.empty());
   header.dim[0] = 3;
-  header.dim[4] = 9;  // beyond the number of dimensions, so without meaning
+  header.dim[4] = 9;  // beyond the number of dimensions, so it has no meaning
   EXPECT_TRUE(read(one_file(header)).source.choices.empty());
   EXPECT_THROW(read(one_file(header), {.time = 1}), Error);
   header.dim[0] = 6;
@@ -423,7 +423,7 @@ TEST_F(Nifti, ImpossibleShapesAreRefused) {
   refuse(one_file(large), ErrorCode::bad_file, "more than any file can hold");
   large.dim[1] = 1 << 20;
   large.dim[2] = 1 << 20;
-  refuse(one_file(large), ErrorCode::bad_file, "promises 2199023255552 bytes of samples");
+  refuse(one_file(large), ErrorCode::bad_file, "states 2199023255552 bytes of samples");
   refuse(gzipped(one_file(large)), ErrorCode::bad_file, "far more than a file of");
   large.dim[1] = -5;
   refuse(one_file(large), ErrorCode::bad_file, "-5 samples along axis 1");
@@ -439,7 +439,7 @@ TEST_F(Nifti, CiftiIsRefused) {
   refuse(one_file(header, std::string(96, '\0')), ErrorCode::unsupported, "is a CIFTI file");
 }
 
-TEST_F(Nifti, IntentsOfScalarsAreNoObstacle) {
+TEST_F(Nifti, IntentsOfScalarsAreRead) {
   for (const short intent : std::array<short, 4>{
            3, 1002, 1005, 1007}) {  // t statistic, labels, symmetric matrix and vector of one value
     nifti_1_header header = header1();
@@ -464,14 +464,14 @@ TEST_F(Nifti, CutOffAnywhereIsRefused) {
     refuse(packed.substr(0, length), ErrorCode::bad_file, "");
 }
 
-TEST_F(Nifti, DamagedMarksAreRefused) {
+TEST_F(Nifti, DamagedMagicIsRefused) {
   nifti_2_header header = header2();
   std::memcpy(header.magic, "n+2\0\n\032\n\n", 8);
-  refuse(one_file(header), ErrorCode::bad_file, "a transfer as text has damaged it");
+  refuse(one_file(header), ErrorCode::bad_file, "was damaged by a transfer as text");
   refuse(std::string(400, 'x'), ErrorCode::bad_file, "is not a NIfTI file");
 }
 
-TEST_F(Nifti, MoreThanPromisedIsSaid) {
+TEST_F(Nifti, MoreBytesThanStatedGiveAWarning) {
   const std::string bytes = one_file(header1()) + "and more";
   expect_one_warning(read(bytes), "has 8 bytes after the samples");
   expect_one_warning(read(gzipped(bytes)), "has 8 bytes after the samples");
@@ -487,7 +487,7 @@ TEST_F(Nifti, PackedByBzip2) {
             BZ_OK);
   packed.resize(packed_bytes);
   EXPECT_EQ(sample_as_double(read(packed, {}, "v.nii.bz2").volume, 9), 9);
-  EXPECT_EQ(sample_as_double(read(packed).volume, 9), 9);  // whatever its name
+  EXPECT_EQ(sample_as_double(read(packed).volume, 9), 9);  // the name does not matter
   refuse(packed.substr(0, packed.size() - 1), ErrorCode::bad_file, "is cut off");
 }
 
@@ -499,7 +499,7 @@ TEST_F(Nifti, QformIsARotationAndAVoxelSize) {
   header.pixdim[1] = 2;
   header.pixdim[2] = 3;
   header.pixdim[3] = 4;
-  header.quatern_d = 0.5F;  // 60 degrees about z
+  header.quatern_d = 0.5F;  // a rotation by 60 degrees about z
   header.qoffset_x = 10;
   header.qoffset_y = 20;
   header.qoffset_z = 30;
@@ -511,9 +511,9 @@ TEST_F(Nifti, QformIsARotationAndAVoxelSize) {
   expect_ras(file.volume.view.grid, {0, 0, 0}, {10, 20, 30});
   expect_ras(file.volume.view.grid, {1, 0, 0}, {10 + 2 * c, 20 + 2 * s, 30});
   expect_ras(file.volume.view.grid, {0, 1, 0}, {10 - 3 * s, 20 + 3 * c, 30});
-  expect_ras(file.volume.view.grid, {0, 0, 1}, {10, 20, 30 - 4});  // pixdim[0] turns z round
+  expect_ras(file.volume.view.grid, {0, 0, 1}, {10, 20, 30 - 4});  // pixdim[0] reverses z
   EXPECT_TRUE(file.volume.view.grid.mirrored());
-  header.pixdim[0] = 0;  // as 1
+  header.pixdim[0] = 0;  // means 1
   EXPECT_FALSE(read(one_file(header)).volume.view.grid.mirrored());
 }
 
@@ -538,10 +538,10 @@ TEST_F(Nifti, SformIsUsedWhereTheTwoDiffer) {
   nifti_1_header header = header1();
   set_sform(header, {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, 4);
   VolumeFile file = read(one_file(header));
-  EXPECT_EQ(decision(file, "affine"), "qform, and the sform is the same");
+  EXPECT_EQ(decision(file, "affine"), "qform, which equals the sform");
   EXPECT_TRUE(file.source.warnings.empty());
   set_sform(header, {{{1, 0, 0, 0.05F}, {0, 1, 0, 0}, {0, 0, 1, 0}}},
-            4);  // a small difference is no news, but not lost
+            4);  // a small difference gives no warning, but changes the grid
   file = read(one_file(header));
   EXPECT_EQ(decision(file, "affine"), "sform");
   EXPECT_FLOAT_EQ(static_cast<float>(file.volume.view.grid.origin.x), -0.05F);
@@ -550,10 +550,10 @@ TEST_F(Nifti, SformIsUsedWhereTheTwoDiffer) {
   file = read(one_file(header));
   EXPECT_FLOAT_EQ(static_cast<float>(file.volume.view.grid.origin.x), -0.2F);
   expect_one_warning(
-      file, "its sform and its qform put samples up to 0.2 voxels apart; the sform is used");
+      file, "its sform and its qform place samples up to 0.2 voxels apart; the sform is used");
 }
 
-TEST_F(Nifti, SformKeepsTheVoxelSizeAsItIsWritten) {
+TEST_F(Nifti, SformKeepsTheWrittenVoxelSize) {
   nifti_1_header header = header1();
   header.qform_code = 0;
   header.pixdim[1] = 0.8125F;
@@ -566,7 +566,7 @@ TEST_F(Nifti, SformKeepsTheVoxelSizeAsItIsWritten) {
   EXPECT_TRUE(file.source.warnings.empty());
 }
 
-TEST_F(Nifti, AnUnusableSformGivesWayToTheQform) {
+TEST_F(Nifti, TheQformReplacesAnUnusableSform) {
   for (const float bad : {0.0F, kNaN}) {
     nifti_1_header header = header1();
     header.qoffset_x = 4;
@@ -591,7 +591,7 @@ TEST_F(Nifti, WithoutAffineTheAxesStayAsTheyAre) {
   nifti_1_header header = header1();
   header.qform_code = 0;
   header.pixdim[1] = 2;
-  header.qoffset_x = 7;  // belongs to no qform
+  header.qoffset_x = 7;  // ignored: there is no qform
   VolumeFile file = read(one_file(header));
   EXPECT_EQ(file.volume.view.grid.direction, Grid{}.direction);
   EXPECT_EQ(file.volume.view.grid.origin, Vec3{});
@@ -657,27 +657,27 @@ TEST_F(Nifti, PairsInEachPackingAndCase) {
       EXPECT_TRUE(file.source.warnings.empty());
     }
   }
-  expect_error(ErrorCode::bad_file, "there is no .img file beside it", folder_ / "g.hdr", [&] {
+  expect_error(ErrorCode::bad_file, "has no .img file next to it", folder_ / "g.hdr", [&] {
     write_bytes(folder_ / "g.hdr", header);
     read_volume(folder_ / "g.hdr");
   });
   nifti_1_header single = header1();
   write_bytes(folder_ / "single.img", one_file(single));
   EXPECT_EQ(read_volume(folder_ / "single.img").view.grid.sample_count(), kCount);
-  expect_error(ErrorCode::bad_file, "there is no .hdr file beside it", folder_ / "h.img", [&] {
+  expect_error(ErrorCode::bad_file, "has no .hdr file next to it", folder_ / "h.img", [&] {
     write_bytes(folder_ / "h.img", samples);
     read_volume(folder_ / "h.img");
   });
 }
 
-TEST_F(Nifti, APairMayClaimToBeOneFile) {
+TEST_F(Nifti, APairMayStateThatItIsOneFile) {
   nifti_1_header header = header1();
   header.vox_offset = 0;
   write_bytes(folder_ / "a.hdr", header_bytes(header));
   write_bytes(folder_ / "a.img", bytes_of(ramp<std::uint8_t>(kCount)));
   EXPECT_EQ(sample_as_double(read_volume(folder_ / "a.hdr"), 9), 9);
   EXPECT_EQ(sample_as_double(read(one_file(header1()), {}, "b.hdr").volume, 9),
-            9);  // and one file may be called a header
+            9);  // and a single file may have the extension .hdr
 }
 
 TEST_F(Nifti, AnalyzeHasNoOrientation) {
@@ -694,7 +694,7 @@ TEST_F(Nifti, AnalyzeHasNoOrientation) {
   EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 2}));
   EXPECT_EQ(file.volume.view.grid.direction, Grid{}.direction);
   expect_one_warning(file, "states no orientation");
-  header.scl_slope = 0.5F;  // SPM's factor; what follows it is not an intercept
+  header.scl_slope = 0.5F;  // SPM's factor; the next field is not an intercept
   header.scl_inter = 100;
   write_bytes(folder_ / "a.hdr", header_bytes(header));
   file = read_volume_file(folder_ / "a.img");

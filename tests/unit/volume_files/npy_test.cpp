@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NumPy's .npy: every type, order and version that holds a volume; the rest, and what is damaged,
-// is refused.
+// NumPy's .npy: every type, order and version that holds a volume; other and damaged files are
+// refused.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -18,7 +18,7 @@ namespace isoatlas::detail::test {
 namespace {
 
 constexpr std::size_t kCount = 24;
-constexpr std::array<std::size_t, 3> kSize{4, 3, 2};  // of an array of shape (2, 3, 4)
+constexpr std::array<std::size_t, 3> kSize{4, 3, 2};  // for an array of shape (2, 3, 4)
 
 std::string dictionary(const std::string& descr, const std::string& shape = "(2, 3, 4)",
                        bool is_fortran_order = false) {
@@ -47,10 +47,10 @@ class Npy : public testing::Test {
     write_bytes(folder_ / "v.npy", bytes);
     return read_volume_file(folder_ / "v.npy", options);
   }
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says) {
-    SCOPED_TRACE(says);
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& message) {
+    SCOPED_TRACE(message);
     write_bytes(folder_ / "v.npy", bytes);
-    expect_error(code, says, folder_ / "v.npy", [&] { read_volume(folder_ / "v.npy"); });
+    expect_error(code, message, folder_ / "v.npy", [&] { read_volume(folder_ / "v.npy"); });
   }
   template <class T>
   void expect_type(const std::string& code, SampleType type) {
@@ -68,7 +68,7 @@ class Npy : public testing::Test {
         EXPECT_EQ(file.volume.view.grid.size, kSize);
         EXPECT_EQ(samples_as_double(file.volume), expected);
       }
-      // The same array in the other order: a[z][y][x] is z + 2 (y + 3 x) there.
+      // The same array in the other order: a[z][y][x] has the value z + 2 (y + 3 x).
       std::vector<T> turned(kCount);
       for (std::size_t i = 0; i < kCount; ++i)
         turned[i / 12 + 2 * (i / 4 % 3 + 3 * (i % 4))] = values[i];
@@ -92,7 +92,7 @@ TEST_F(Npy, EveryTypeOrderAndVersion) {
   expect_type<double>("f8", SampleType::float64);
 }
 
-// Larger than what is in memory twice.
+// Larger than the part that is in memory twice.
 TEST_F(Npy, LargeArraysInFortranOrder) {
   constexpr std::size_t kX = 259, kY = 200, kZ = 201;
   const auto value = [](std::size_t i) { return static_cast<std::uint16_t>(i * 7919); };
@@ -175,7 +175,7 @@ TEST_F(Npy, OtherTypesAreRefused) {
   for (const auto& [descr, kind] : std::vector<std::pair<std::string, std::string>>{
            {"<c8", "complex"},
            {"<f16", "extended floating-point"},
-           {"|O", "Python objects, which are never unpacked"},
+           {"|O", "Python objects, which are never unpickled"},
            {"<U5", "text"},
            {"|S3", "text"},
            {"|V8", "records"},
@@ -230,7 +230,7 @@ TEST_F(Npy, DamagedHeadersAreRefused) {
   refuse(npy(dictionary("<f8", "(4294967296, 4294967296, 4)"), kBytes), ErrorCode::bad_file,
          "more than any file can hold");
   refuse(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes), ErrorCode::bad_file,
-         "promises 32000000000000 bytes");
+         "states 32000000000000 bytes");
   refuse(gzipped(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes)), ErrorCode::bad_file,
          "far more than");
   std::string long_header = npy(dictionary("|u1"), kBytes, 2);
@@ -238,7 +238,7 @@ TEST_F(Npy, DamagedHeadersAreRefused) {
   refuse(long_header, ErrorCode::bad_file, "its header is cut off");
 }
 
-TEST_F(Npy, MoreThanPromisedIsSaid) {
+TEST_F(Npy, MoreBytesThanStatedGiveAWarning) {
   const VolumeFile file = read(npy(dictionary("|u1"), kBytes + "more"), {.spacing = Vec3{1, 1, 1}});
   expect_one_warning(file, "has 4 bytes after the samples");
 }

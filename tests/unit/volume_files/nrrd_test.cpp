@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// NRRD: what the format can contain, file by file. https://teem.sourceforge.net/nrrd/format.html
+// NRRD: the features of the format, file by file. https://teem.sourceforge.net/nrrd/format.html
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using NrrdFile = OneFile;
 constexpr ErrorCode kBad = ErrorCode::bad_file;
 constexpr ErrorCode kUnsupported = ErrorCode::unsupported;
 
-// 2 x 3 x 4 samples of one byte, spacing 0.5 1 2 unless `more` says otherwise.
+// 2 x 3 x 4 samples of one byte, spacing 0.5 1 2 unless `more` states another.
 const std::string kSpacing = "spacings: 0.5 1 2\n";
 std::string small(const std::string& more = kSpacing, const std::string& body = counted(24),
                   const std::string& encoding = "raw") {
@@ -33,7 +33,7 @@ std::string header(const std::string& lines) {
   return "NRRD0005\ntype: uint8\nencoding: raw\n" + lines;
 }
 
-// ---- the inputs from the field
+// ---- field files
 
 TEST(NrrdField, SpaceLasNegatesY) {
   const VolumeFile file = read_volume_file(kField / "r_sp_las.nrrd");
@@ -57,15 +57,14 @@ TEST(NrrdField, SpacingFromTheEndsOfTheAxes) {
   EXPECT_EQ(file.source.warnings, Strings{});
 }
 
-TEST(NrrdField, LongerDataFileIsWarnedOf) {
+TEST(NrrdField, ALongerDataFileGivesAWarning) {
   const VolumeFile file = read_volume_file(kField / "r_det_longer.nhdr");
   EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{24, 20, 15}));
   EXPECT_EQ(samples_of(file.volume), read_bytes(kField / "r_det.raw").substr(0, 28800));
   ASSERT_EQ(file.source.warnings.size(), 2u);
-  EXPECT_EQ(
-      file.source.warnings[0],
-      "its data file r_det.raw has 1920 bytes after the last sample that the header promises");
-  EXPECT_EQ(file.source.warnings[1], "states no voxel size, 1 x 1 x 1 is assumed");
+  EXPECT_EQ(file.source.warnings[0],
+            "its data file r_det.raw has 1920 bytes after the last sample that the header states");
+  EXPECT_EQ(file.source.warnings[1], "states no voxel size; 1 x 1 x 1 is assumed");
 }
 
 TEST(NrrdField, Bzip2) {
@@ -84,7 +83,7 @@ TEST(NrrdField, SegmentationLayersAreAChoice) {
   EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::millimetre);
   const std::string samples = samples_of(file.volume);
   EXPECT_EQ(std::count(samples.begin(), samples.end(), '\1'),
-            606);  // 1212 of both layers, which are equal
+            606);  // 1212 in both layers, which are equal
   EXPECT_EQ(std::count(samples.begin(), samples.end(), '\0'), 7680 - 606);
   expect_error(ErrorCode::bad_argument, "no layer '2'", path,
                [&] { read_volume_file(path, {.layer = "2"}); });
@@ -94,7 +93,7 @@ TEST(NrrdField, SegmentationLayersAreAChoice) {
 
 struct SpaceCase {
   std::string name;
-  double x, y;  // signs of the file's x and y in what is read
+  double x, y;  // signs of the file's x and y in LPS
   LengthUnit unit;
 };
 
@@ -149,7 +148,7 @@ TEST(NrrdSpace, TimeIsAFourthDimension) {
   NrrdFile(header("dimension: 4\nsizes: 2 3 4 2\nspace: LPST\nspace directions: (1,0,0,1) "
                   "(0,2,0,0) (0,0,3,0) (0,0,0,7)\n\n") +
            counted(48))
-      .expect_refused(kUnsupported, "x axis runs through space and time");
+      .expect_refused(kUnsupported, "x axis runs through both space and time");
 }
 
 TEST(NrrdSpace, DimensionAlone) {
@@ -200,13 +199,13 @@ TEST(NrrdSpace, WrongVectors) {
       .expect_refused(kBad, "origin");
 }
 
-TEST(NrrdSpace, SpacingsBesideIt) {
+TEST(NrrdSpace, SpacingsAndDirections) {
   const VolumeFile both =
       NrrdFile(small("space: RAS\nspacings: 7 7 7\nspace directions: (1,0,0) (0,2,0) (0,0,3)\n"))
           .file();
   EXPECT_EQ(both.volume.view.grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(both.source.warnings,
-            Strings{"states both spacings and space directions, the space directions are used"});
+            Strings{"states both spacings and space directions; the space directions are used"});
   const VolumeFile without =
       NrrdFile(small("space: RAS\nspacings: 7 8 9\nspace origin: (1,2,3)\n")).file();
   EXPECT_EQ(without.volume.view.grid.spacing, (Vec3{7, 8, 9}));
@@ -225,31 +224,31 @@ TEST(NrrdSpacing, FromAxisMinsAndMaxs) {
   EXPECT_EQ(grid(ends + "centers: node node node\n").origin, (Vec3{10, 0, -4}));
   EXPECT_EQ(grid(ends + "centerings: cell cell cell\n").spacing, (Vec3{5, 2, 2}));
   EXPECT_EQ(grid(ends + "centerings: cell cell cell\n").origin, (Vec3{12.5, 1, -3}));
-  EXPECT_EQ(grid(ends).origin, (Vec3{12.5, 1, -3}));  // as Teem
+  EXPECT_EQ(grid(ends).origin, (Vec3{12.5, 1, -3}));  // as in Teem
   EXPECT_EQ(grid(ends + "centerings: ??? node none\n").spacing, (Vec3{5, 3, 2}));
   EXPECT_EQ(grid("axis maxs: 10 0 -4\naxis mins: 20 6 4\n").direction[0],
-            (Vec3{-1, 0, 0}));  // runs downwards
+            (Vec3{-1, 0, 0}));  // the axis decreases
   EXPECT_EQ(grid(kSpacing + "axis mins: 10 20 30\n").origin, (Vec3{10.25, 20.5, 31}));
-  EXPECT_EQ(grid(kSpacing + ends).spacing, (Vec3{0.5, 1, 2}));  // a spacing is a spacing
+  EXPECT_EQ(grid(kSpacing + ends).spacing, (Vec3{0.5, 1, 2}));  // a stated spacing counts
   NrrdFile(small("axis mins: 1 1 1\naxis maxs: 1 2 2\n"))
       .expect_refused(kBad, "spacing along x is 0");
   NrrdFile(small("axis mins: 1 1\n")).expect_refused(kBad, "expected 3 numbers");
 }
 
-TEST(NrrdSpacing, ANegativeOneTurnsTheAxis) {
+TEST(NrrdSpacing, ANegativeSpacingReversesTheAxis) {
   const Grid grid = NrrdFile(small("spacings: 0.5 -2 1\n")).file().volume.view.grid;
   EXPECT_EQ(grid.spacing, (Vec3{0.5, 2, 1}));
   EXPECT_EQ(grid.direction, (std::array<Vec3, 3>{Vec3{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}));
 }
 
-TEST(NrrdSpacing, MissingOnes) {
+TEST(NrrdSpacing, MissingSpacings) {
   const VolumeFile none = NrrdFile(small("thicknesses: 3 3 3\n")).file();
   EXPECT_FALSE(none.source.has_spacing);
-  EXPECT_EQ(none.source.warnings, Strings{"states no voxel size, 1 x 1 x 1 is assumed"});
+  EXPECT_EQ(none.source.warnings, Strings{"states no voxel size; 1 x 1 x 1 is assumed"});
   const VolumeFile some = NrrdFile(small("spacings: 0.5 0.5 nan\n")).file();
   EXPECT_TRUE(some.source.has_spacing);
   EXPECT_EQ(some.volume.view.grid.spacing, (Vec3{0.5, 0.5, 1}));
-  EXPECT_EQ(some.source.warnings, Strings{"states no spacing along z, 1 is assumed"});
+  EXPECT_EQ(some.source.warnings, Strings{"states no spacing along z; 1 is assumed"});
   NrrdFile(small("spacings: 1 0 1\n")).expect_refused(kBad, "spacing along y is 0");
   NrrdFile(small("spacings: 1 inf 1\n")).expect_refused(kBad, "spacing along y");
   NrrdFile(small("spacings: 1 one 1\n"))
@@ -269,17 +268,17 @@ TEST(NrrdUnits, OfSpaceAndAxes) {
   EXPECT_EQ(unit(kSpacing + "units: \"nm\" \"\" \"nm\"\n"), LengthUnit::nanometre);
   EXPECT_EQ(unit(kSpacing), LengthUnit::unknown);
   EXPECT_EQ(NrrdFile(small("space: LPS\n")).file().volume.view.grid.unit,
-            LengthUnit::unknown);  // no length, no unit
+            LengthUnit::unknown);  // without a length there is no unit
   NrrdFile(small(kSpacing + "units: \"mm\" \"mm\" \"cm\"\n"))
       .expect_refused(kUnsupported, "units of their own (mm and cm)");
   for (const std::string units : {R"("mm" "mm" "s")", R"("s" "mm" "mm")",
-                                  R"("mm" "mm" "ms")"})  // slices in time are no volume
+                                  R"("mm" "mm" "ms")"})  // slices in time are not a volume
     NrrdFile(small(kSpacing + "units: " + units + "\n"))
         .expect_refused(kUnsupported, "units of their own (mm and '");
   EXPECT_EQ(decision(NrrdFile(small(lps)).file(), "unit"), "mm, by the convention of LPS");
 }
 
-// ---- axes that are none of the volume's
+// ---- axes that are not axes of the volume
 
 TEST(NrrdAxes, ListIsALayerWhereverItIs) {
   const std::string tail = "space: LPS\n";
@@ -323,13 +322,13 @@ TEST(NrrdAxes, SegmentsNameTheirLayer) {
   EXPECT_EQ(decision(nrrd.file({.layer = "0"}), "segments"), "1 liver, 5 Segment_3");
   ASSERT_EQ(named.source.choices.size(), 1u);
   EXPECT_EQ(named.source.choices[0].selected, 1u);
-  // Slicer before 4.11: a layer for each segment, no Layer in the header
+  // Slicer before 4.11: a layer for each segment, without Layer in the header.
   const NrrdFile old(header("dimension: 4\nsizes: 2 2 3 4\nkinds: list domain domain "
                             "domain\nSegment0_ID:=a\nSegment0_Name:=A\nSegment1_ID:=b\n"
                             "Segment1_Name:=B\n\n") +
                      counted(48));
   EXPECT_EQ(old.samples({.layer = "B"}), counted(24, 1, 2));
-  // one layer: no list axis
+  // One layer: no list axis.
   EXPECT_EQ(decision(NrrdFile(small(kSpacing +
                                     "Segment0_ID:=a\nSegment0_Name:=A\nSegment0_LabelValue:=3\n"))
                          .file(),
@@ -357,7 +356,7 @@ TEST(NrrdAxes, ComponentsAreChannels) {
       .expect_refused(ErrorCode::bad_argument, "no channel '5'", {.channel = "5"});
 }
 
-TEST(NrrdAxes, WithoutKindsSpacingsAndDirectionsTell) {
+TEST(NrrdAxes, WithoutKindsSpacingsAndDirectionsDecide) {
   const NrrdFile spacings(header("dimension: 4\nsizes: 2 2 3 4\nspacings: nan 1 1 2\n\n") +
                           counted(48));
   EXPECT_EQ(spacings.samples({.channel = "1"}), counted(24, 1, 2));
@@ -367,10 +366,10 @@ TEST(NrrdAxes, WithoutKindsSpacingsAndDirectionsTell) {
                             counted(48));
   EXPECT_EQ(directions.samples({.channel = "1"}), counted(24, 24));
   NrrdFile(header("dimension: 4\nsizes: 2 3 4 2\n\n") + counted(48))
-      .expect_refused(kUnsupported, "has 4 dimensions (2 x 3 x 4 x 2) and does not say");
+      .expect_refused(kUnsupported, "has 4 dimensions (2 x 3 x 4 x 2) without stating");
 }
 
-TEST(NrrdAxes, ThoseOfOneSampleAreLeftOut) {
+TEST(NrrdAxes, AxesOfOneSampleAreDropped) {
   for (const std::string sizes : {"2 3 4 1", "1 2 3 4", "2 1 3 4"}) {
     const VolumeFile file =
         NrrdFile(header("dimension: 4\nsizes: " + sizes + "\n\n") + counted(24)).file();
@@ -532,11 +531,11 @@ TEST(NrrdSamples, Text) {
   NrrdFile(nrrd("uint8", "0 1 2 -3 4 5 6 7")).expect_refused(kBad, "sample 3 is '-3'");
   NrrdFile(nrrd("int16", "0 1 2 3.5 4 5 6 7")).expect_refused(kBad, "sample 3 is '3.5'");
   NrrdFile(nrrd("int16", "0 1 2 three 4 5 6 7")).expect_refused(kBad, "sample 3 is 'three'");
-  NrrdFile(nrrd("int8", "0 1 2 3 4 5 6")).expect_refused(kBad, "promises 8 numbers");
+  NrrdFile(nrrd("int8", "0 1 2 3 4 5 6")).expect_refused(kBad, "states 8 numbers");
   NrrdFile(nrrd("int8", "0 1 2 3 4 5 6            "))
-      .expect_refused(kBad, "promises 8 numbers, the file has 7");
+      .expect_refused(kBad, "states 8 numbers, the file has 7");
   EXPECT_EQ(NrrdFile(nrrd("int8", "0 1 2 3 4 5 6 7 89")).file().source.warnings,
-            Strings{"has 2 bytes after the last sample that the header promises"});
+            Strings{"has 2 bytes after the last sample that the header states"});
   NrrdFile(nrrd("int8", std::string(100000, '1'))).expect_refused(kBad, "sample 0 is '1111");
 }
 
@@ -574,7 +573,7 @@ TEST(NrrdSamples, Skips) {
       NrrdFile(small(kSpacing + "byte skip: -4\n", "anything" + counted(24) + "end")).samples(),
       counted(24));
   NrrdFile(small(kSpacing + "byte skip: -1\n", gzipped(counted(24)), "gzip"))
-      .expect_refused(kUnsupported, "'byte skip: -1' with packed samples");
+      .expect_refused(kUnsupported, "'byte skip: -1' with compressed samples");
   NrrdFile(small(kSpacing + "byte skip: 30\n")).expect_refused(kBad, "the file has 0");
   NrrdFile(small(kSpacing + "byte skip: 30\n", gzipped(counted(24)), "gzip"))
       .expect_refused(kBad, "is cut off");
@@ -588,27 +587,27 @@ TEST(NrrdSamples, Skips) {
   NrrdFile(small(kSpacing + "byte skip: few\n")).expect_refused(kBad, "'byteskip' is 'few'");
 }
 
-TEST(NrrdSamples, MoreThanPromised) {
+TEST(NrrdSamples, MoreBytesThanStated) {
   const auto warnings = [](const std::string& body, const std::string& encoding) {
     return NrrdFile(small(kSpacing, body, encoding)).file().source.warnings;
   };
   EXPECT_EQ(warnings(counted(27), "raw"),
-            Strings{"has 3 bytes after the last sample that the header promises"});
+            Strings{"has 3 bytes after the last sample that the header states"});
   EXPECT_EQ(warnings(gzipped(counted(27)), "gzip"),
-            Strings{"has 3 bytes after the last sample that the header promises"});
+            Strings{"has 3 bytes after the last sample that the header states"});
   EXPECT_EQ(warnings(bzipped(counted(27)), "bzip2"),
-            Strings{"has 3 bytes after the last sample that the header promises"});
+            Strings{"has 3 bytes after the last sample that the header states"});
 }
 
 TEST(NrrdSamples, CutOrDamaged) {
   const std::string bz = bzipped(counted(24));
   NrrdFile(small(kSpacing, counted(23)))
-      .expect_refused(kBad, "promises 24 bytes of samples, the file has 23");
+      .expect_refused(kBad, "states 24 bytes of samples, the file has 23");
   NrrdFile(small(kSpacing, gzipped(counted(23)), "gzip"))
-      .expect_refused(kBad, "promises 24 bytes of samples, the file has 23");
+      .expect_refused(kBad, "states 24 bytes of samples, the file has 23");
   NrrdFile(small(kSpacing, bz.substr(0, bz.size() - 4), "bzip2"))
       .expect_refused(kBad, "is cut off");
-  // what is not read of a packed file is checked nevertheless
+  // The part of a compressed file that is not read is still checked.
   const std::string gz = gzipped(counted(48));
   const std::string lines =
       "NRRD0004\ntype: uint8\nencoding: gzip\ndimension: 4\nsizes: 2 3 4 2\nkinds: space space "
@@ -616,12 +615,12 @@ TEST(NrrdSamples, CutOrDamaged) {
   EXPECT_EQ(NrrdFile(lines + gz).samples({.time = 0}), counted(24));
   NrrdFile(lines + gz.substr(0, gz.size() - 6)).expect_refused(kBad, "is cut off", {.time = 0});
   NrrdFile(lines + gzipped(counted(47)))
-      .expect_refused(kBad, "promises 48 bytes of samples, the file has 47", {.time = 0});
+      .expect_refused(kBad, "states 48 bytes of samples, the file has 47", {.time = 0});
   NrrdFile(header("dimension: 4\nsizes: 2 3 4 2\nkinds: space space space time\n\n") + counted(47))
       .expect_refused(kBad, "the file has 47", {.time = 0});
 }
 
-TEST(NrrdSamples, SizesThatNoFileHas) {
+TEST(NrrdSamples, SizesTooLargeForAnyFile) {
   const std::string bz = bzipped(counted(24));
   NrrdFile(
       "NRRD0004\ntype: double\nendian: little\nencoding: bzip2\ndimension: 3\nsizes: 100000 100000 "
@@ -647,7 +646,7 @@ TEST(NrrdSamples, SizesThatNoFileHas) {
 
 // ---- data files
 
-TEST(NrrdDataFiles, OneBesideTheHeader) {
+TEST(NrrdDataFiles, OneNextToTheHeader) {
   NrrdFile nrrd(small(kSpacing + "data file: sub/a b.raw\n", ""), "a.nhdr");
   nrrd.expect_refused(kBad, "its data file");
   std::filesystem::create_directory(nrrd.path.parent_path() / "sub");
@@ -699,7 +698,7 @@ TEST(NrrdDataFiles, List) {
   NrrdFile few(small(kSpacing + "data file: LIST\na.raw\nb.raw\nc.raw\n", ""), "a.nhdr");
   with_slices(few).expect_refused(kBad, "names 3 data files, expected 4, each of dimension 2");
   NrrdFile odd(small(kSpacing + "data file: LIST 3\na.raw\nb.raw\nc.raw\n", ""), "a.nhdr");
-  with_slices(odd).expect_refused(kBad, "a number that divides the 4 samples of the last axis");
+  with_slices(odd).expect_refused(kBad, "a divisor of the 4 samples of the last axis");
   NrrdFile none(small(kSpacing + "data file: LIST 3\n", ""), "a.nhdr");
   none.expect_refused(kBad, "names 0 data files");
   NrrdFile(small(kSpacing + "data file: LIST 4\na\n", ""), "a.nhdr")
@@ -709,7 +708,7 @@ TEST(NrrdDataFiles, List) {
       .with("c.raw", counted(5))
       .expect_refused(
           kBad,
-          "c.raw: is cut off or damaged: the header promises 6 bytes of samples, the file has 5");
+          "c.raw: is cut off or damaged: the header states 6 bytes of samples, the file has 5");
   NrrdFile longer(small(kSpacing + "data file: LIST\na.raw\nb.raw\nc.raw\nd.raw\n", ""), "a.nhdr");
   EXPECT_EQ(with_slices(longer)
                 .with("c.raw", counted(8, 12))
@@ -717,13 +716,13 @@ TEST(NrrdDataFiles, List) {
                 .file()
                 .source.warnings,
             Strings{"its data file c.raw has 2 bytes after the last sample that the header "
-                    "promises, and 1 more files are longer too"});
+                    "states, and 1 more files are longer too"});
 }
 
 TEST(NrrdDataFiles, TextHasNoBytesToCountFromTheEnd) {
   for (const std::string encoding : {"text", "hex"})
     NrrdFile(small(kSpacing + "byte skip: -1\n", "1 2 3", encoding))
-        .expect_refused(kUnsupported, "(byte skip -1), expected that with raw samples only");
+        .expect_refused(kUnsupported, "(byte skip -1), expected this with raw samples only");
 }
 
 TEST(NrrdDataFiles, Pattern) {
@@ -741,7 +740,7 @@ TEST(NrrdDataFiles, Pattern) {
             counted(24));
   NrrdFile few(small(kSpacing + "data file: s%d.raw 1 3 1\n", ""), "a.nhdr");
   few.with("s1.raw", counted(6)).expect_refused(kBad, "names 3 data files, expected 4");
-  // Before a million names are made of it:
+  // Refused before a million names are generated:
   NrrdFile(small(kSpacing + "data file: s%d.raw 1 1000000 1\n", ""), "a.nhdr")
       .expect_refused(kBad, "s1.raw: no such file");
   NrrdFile(small(kSpacing + "data file: s%d.raw 1 4 0\n", ""))
@@ -804,10 +803,10 @@ TEST(NrrdHeader, GzippedAsAWhole) {
       counted(24));
   NrrdFile(gzipped(small(kSpacing, counted(23)))).expect_refused(kBad, "the file has 23");
   NrrdFile(gzipped(small(kSpacing, gzipped(counted(24)), "gzip")))
-      .expect_refused(kUnsupported, "expected one packing");
+      .expect_refused(kUnsupported, "expected one compression");
 }
 
-TEST(NrrdHeader, FieldsThatSayNothingOfTheVolume) {
+TEST(NrrdHeader, FieldsThatDoNotConcernTheVolume) {
   const std::string more =
       "# comment: with colons\ncontent: a:=b\nnumber: 7\nmin: 0\nmax: 255\nold min: 3\nOLDMAX: "
       "4\nsample units: HU\n"
@@ -852,7 +851,7 @@ TEST(NrrdHeader, Wrong) {
   NrrdFile(small(kSpacing + "kinds: domain domain\n"))
       .expect_refused(kBad, "'kinds' is 'domain domain', expected 3 words");
   NrrdFile(small().substr(0, 60)).expect_refused(kBad, "");
-  // cut anywhere, never more than an error
+  // Cut at any place, a file gives an error at most.
   const std::string whole = small();
   for (std::size_t length = 9; length < whole.size(); ++length) {
     EXPECT_THROW(NrrdFile(whole.substr(0, length)).file(), Error) << length;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of formats that say in text what their samples are, made by hand.
+// Hand-written files of formats that describe their samples in text.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ inline std::string counted(std::size_t count, std::size_t first = 0, std::size_t
   return bytes;
 }
 
-/// One file in a folder of its own, and what is beside it.
+/// A file in a temporary folder, and other files in that folder.
 class OneFile {
  public:
   explicit OneFile(const std::string& bytes, const std::string& name = "a.bin")
@@ -54,9 +54,9 @@ class OneFile {
   std::string samples(const ReadOptions& options = {}) const {
     return samples_of(file(options).volume);
   }
-  void expect_refused(ErrorCode code, const std::string& says,
+  void expect_refused(ErrorCode code, const std::string& message,
                       const ReadOptions& options = {}) const {
-    expect_error(code, says, path, [&] { read_volume_file(path, options); });
+    expect_error(code, message, path, [&] { read_volume_file(path, options); });
   }
 
  private:

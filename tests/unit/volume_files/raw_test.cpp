@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headerless samples: an offset, packed files, and sizes that do not agree.
+// Headerless samples: an offset, compressed files, and sizes that do not agree.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -44,16 +44,17 @@ TEST(Raw, Packed) {
   for (const std::string& packed : {gzipped("head" + counted(24)), bzipped("head" + counted(24))}) {
     const OneFile file(packed, "a.raw.gz");
     EXPECT_EQ(file.samples(layout(4)), counted(24));
-    file.expect_refused(kBad, "has 28 bytes when unpacked, but 2 x 3 x 4 samples", layout());
+    file.expect_refused(kBad, "has 28 bytes when decompressed, but 2 x 3 x 4 samples", layout());
     file.expect_refused(
-        kBad, "has 28 bytes when unpacked, but after an offset of 5 2 x 3 x 4 samples", layout(5));
+        kBad, "has 28 bytes when decompressed, but after an offset of 5 2 x 3 x 4 samples",
+        layout(5));
     OneFile(packed.substr(0, packed.size() - 5)).expect_refused(kBad, "is cut off", layout(4));
   }
-  OneFile(gzipped(counted(20))).expect_refused(kBad, "has 20 bytes when unpacked", layout());
+  OneFile(gzipped(counted(20))).expect_refused(kBad, "has 20 bytes when decompressed", layout());
   OneFile(gzipped(counted(20))).expect_refused(kBad, "is cut off", layout(21));
 }
 
-TEST(Raw, ExactSizeIsPlain) {  // whatever the first samples look like
+TEST(Raw, AFileOfTheExactSizeIsNotCompressed) {  // even if the first samples look like gzip
   EXPECT_EQ(OneFile("\x1F\x8B" + counted(22)).samples(layout()), "\x1F\x8B" + counted(22));
 }
 

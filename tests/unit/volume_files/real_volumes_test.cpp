@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The volumes of the data folder: size, spacing and sample type are as the manifest says.
+// The volumes of the data folder have the size, spacing and sample type that the manifest states.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace isoatlas::detail::test {
 namespace {
 
-TEST(RealVolumes, AreAsTheManifestSays) {
+TEST(RealVolumes, MatchTheManifest) {
   const char* variable = std::getenv("ISOATLAS_TEST_DATA");
   const std::filesystem::path folder = variable != nullptr ? variable : ISOATLAS_DEFAULT_TEST_DATA;
   std::ifstream manifest(folder / "MANIFEST.tsv");

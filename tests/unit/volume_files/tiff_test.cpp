@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// TIFF files as people's programs write them: what their descriptions say of channels, times,
-// lengths and values.
+// TIFF files as users' programs write them: the channels, times, lengths and values in their
+// descriptions.
 #include <gtest/gtest.h>
 #include <tiffio.h>
 
@@ -24,7 +24,7 @@ constexpr std::array<std::size_t, 3> kFieldSize{24, 20, 16};
 
 const std::vector<std::string> kNone;
 
-// 4 x 3 samples that tell the page and the place.
+// 4 x 3 samples that identify the page and the position.
 std::string samples_of(std::size_t page, std::size_t bytes = 12) {
   std::string samples;
   for (std::size_t i = 0; i < bytes; ++i) samples += static_cast<char>(page * 16 + i);
@@ -41,7 +41,7 @@ std::string pages(std::size_t count, const std::string& description, TiffPage pa
   return file.bytes();
 }
 
-// The first sample of each slice, as the number of its page.
+// The page numbers in the first samples of the slices.
 std::vector<int> pages_read(const VolumeFile& file) {
   const Grid& grid = file.volume.view.grid;
   std::vector<int> read;
@@ -59,10 +59,10 @@ class Tiff : public testing::Test {
     write_bytes(folder_ / name, bytes);
     return read_volume_file(folder_ / name, options);
   }
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says,
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& message,
               const ReadOptions& options = {}) {
     write_bytes(folder_ / "a.tif", bytes);
-    expect_error(code, says, folder_ / "a.tif",
+    expect_error(code, message, folder_ / "a.tif",
                  [&] { read_volume_file(folder_ / "a.tif", options); });
   }
   TempFolder folder_;
@@ -75,9 +75,9 @@ std::string decision(const VolumeFile& file, const std::string& key) {
   return "";
 }
 
-// ---------------------------------------------------------------- files from the field
+// ---------------------------------------------------------------- field files
 
-TEST(TiffField, HyperstackAsksForAChannel) {
+TEST(TiffField, HyperstackNeedsAChannel) {
   const auto path = field_file("t_ij_2ch.tif");
   try {
     read_volume_file(path);
@@ -111,7 +111,7 @@ TEST(TiffField, ImageJWritesNoSpacingOfOne) {
   EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_TRUE(file.source.has_spacing);
   EXPECT_EQ(file.source.warnings,
-            std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
+            std::vector<std::string>{"states no voxel size along z; 1 um is assumed there"});
 }
 
 TEST(TiffField, OmeLengths) {
@@ -156,7 +156,7 @@ TEST(TiffField, PaletteIndices) {
 // ---------------------------------------------------------------- ImageJ
 
 struct Lengths {
-  std::string description;                     // after "ImageJ=1.53t\nimages=2\nslices=2\n"
+  std::string description;                     // follows "ImageJ=1.53t\nimages=2\nslices=2\n"
   std::vector<std::uint32_t> resolution = {};  // numerator, denominator
   std::uint32_t resolution_unit = 1;
   Vec3 spacing = {1, 1, 1};
@@ -168,7 +168,7 @@ struct Lengths {
 
 TEST_F(Tiff, ImageJLengths) {
   constexpr LengthUnit kMicro = LengthUnit::micrometre, kUnknown = LengthUnit::unknown;
-  const std::string missing_z = "states no voxel size along z, 1 is assumed there";
+  const std::string missing_z = "states no voxel size along z; 1 is assumed there";
   const std::vector<Lengths> cases{
       {"unit=um\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kMicro},
       {"unit=\\u00B5m\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kMicro},
@@ -193,7 +193,7 @@ TEST_F(Tiff, ImageJLengths) {
        {40000, 1},
        3,
        {0.25, 0.25, 2},
-       kMicro},  // resolution per centimetre
+       kMicro},  // the resolution is per centimetre
       {"unit=inch\nspacing=0.5\n", {100, 1}, 2, {0.01, 0.01, 0.5}, LengthUnit::inch},
       {"unit=cm\nspacing=0.5\n", {10, 1}, 3, {0.1, 0.1, 0.5}, LengthUnit::centimetre},
       {"unit=mm\nspacing=1.5\n", {}, 1, {1, 1, 1.5}, LengthUnit::millimetre},
@@ -205,7 +205,7 @@ TEST_F(Tiff, ImageJLengths) {
        {0.25, 0.25, 3},
        kMicro,
        true,
-       "its z axis is in 'sec' and its x axis in 'um', the numbers are used as they are"},
+       "its z axis is in 'sec' and its x axis in 'um'; the numbers are used without conversion"},
       {"unit=furlong\nspacing=3\n",
        {4, 1},
        1,
@@ -222,7 +222,7 @@ TEST_F(Tiff, ImageJLengths) {
        {0.25, 0.25, 1},
        kMicro,
        true,
-       "states no voxel size along z, 1 um is assumed there"},
+       "states no voxel size along z; 1 um is assumed there"},
       {"", {5, 1}, 1, {0.2, 0.2, 1}, kUnknown, true, missing_z},
       {"",
        {300, 1},
@@ -230,14 +230,14 @@ TEST_F(Tiff, ImageJLengths) {
        {1, 1, 1},
        kUnknown,
        false,
-       "states no voxel size, 1 x 1 x 1 is assumed"},  // dots per inch are about print
+       "states no voxel size; 1 x 1 x 1 is assumed"},  // dots per inch concern printing
       {"unit=pixel\nloop=false\n",
        {1, 1},
        1,
        {1, 1, 1},
        kUnknown,
        false,
-       "states no voxel size, 1 x 1 x 1 is assumed"},
+       "states no voxel size; 1 x 1 x 1 is assumed"},
       {"unit=um\nspacing=2\nxorigin=10\nyorigin=-4\nzorigin=0.5\n",
        {4, 1},
        1,
@@ -268,7 +268,7 @@ TEST_F(Tiff, ImageJLengths) {
   }
 }
 
-TEST_F(Tiff, ImageJOriginIsInSamplesWhateverTheirSpacing) {
+TEST_F(Tiff, ImageJOriginIsInSamplesForAnySpacing) {
   const std::string bytes = pages(2,
                                   "ImageJ=1.53t\nimages=2\nslices=2\nunit=um\nspacing=2\nxorigin="
                                   "10\nyorigin=-4\nzorigin=0.5\n");
@@ -278,20 +278,20 @@ TEST_F(Tiff, ImageJOriginIsInSamplesWhateverTheirSpacing) {
             (Vec3{-10, 8, -2}));
 }
 
-TEST_F(Tiff, ImageJSpacingThatIsNoNumber) {
+TEST_F(Tiff, ImageJSpacingThatIsNotANumber) {
   for (const char* spacing : {"abc", "1,5", "nan", "1.5 mm"}) {
     refuse(pages(2, std::string("ImageJ=1.53t\nimages=2\nslices=2\nspacing=") + spacing + "\n"),
            ErrorCode::bad_file, "is not a number");
   }
 }
 
-TEST_F(Tiff, ResolutionWithoutImageJIsNoVoxelSize) {
+TEST_F(Tiff, ResolutionWithoutImageJIsNotAVoxelSize) {
   TiffPage page;
   page.more = {{282, 5, {5, 1}}, {283, 5, {5, 1}}, {296, 3, {3}}};
   const VolumeFile file = read(pages(2, "", page));
   EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 1}));
   EXPECT_FALSE(file.source.has_spacing);
-  page.more[2] = {296, 3, {5}};  // tifffile's micrometre, which no version of TIFF has
+  page.more[2] = {296, 3, {5}};  // tifffile's micrometre, which TIFF does not define
   EXPECT_EQ(read(pages(2, "", page)).volume.view.grid.spacing, (Vec3{1, 1, 1}));
 }
 
@@ -309,29 +309,28 @@ TEST_F(Tiff, ImageJOrderIsChannelSliceTime) {
 
 TEST_F(Tiff, ImageJPageCounts) {
   const std::string head = "ImageJ=1.53t\nunit=um\nspacing=1.5\n";
-  // Older versions name the number of images only.
+  // Older versions state only the number of images.
   EXPECT_EQ(read(pages(3, head + "images=3\n")).volume.view.grid.size[2], 3U);
   const VolumeFile more = read(pages(5, head + "images=3\nslices=3\n"));
   EXPECT_EQ(more.volume.view.grid.size[2], 5U);
-  EXPECT_EQ(
-      more.source.warnings,
-      std::vector<std::string>{
-          "ImageJ's description promises 3 images, the file has 5 pages, which are all read"});
+  EXPECT_EQ(more.source.warnings,
+            std::vector<std::string>{
+                "ImageJ's description states 3 images, the file has 5 pages, which are all read"});
   refuse(pages(5, head + "images=16\nslices=16\n"), ErrorCode::bad_file,
-         "promises 1 channels x 16 slices x 1 time points, the file has 5 pages");
+         "states 1 channels x 16 slices x 1 time points, the file has 5 pages");
   refuse(pages(5, head + "images=4\nchannels=2\nslices=2\n"), ErrorCode::bad_file,
-         "promises 2 channels x 2 slices x 1 time points");
+         "states 2 channels x 2 slices x 1 time points");
   refuse(pages(2, head + "channels=1000000\nslices=1000000\nframes=1000000\n"), ErrorCode::bad_file,
          "the file has 2 pages");
 }
 
-TEST_F(Tiff, OneAxisOfPagesIsThatOfSlices) {
+TEST_F(Tiff, ASingleAxisOfPagesIsTheAxisOfSlices) {
   const VolumeFile times = read(pages(5, "ImageJ=1.53t\nimages=5\nframes=5\nunit=um\nspacing=1\n"));
   EXPECT_EQ(pages_read(times), (std::vector{0, 1, 2, 3, 4}));
   EXPECT_EQ(
       times.source.warnings,
       std::vector<std::string>{
-          "its 5 pages are labelled as time points of one slice each, they are read as slices"});
+          "its 5 pages are labelled as time points of one slice each; they are read as slices"});
   const VolumeFile channels =
       read(pages(9, "ImageJ=1.53t\nimages=9\nchannels=9\nunit=um\nspacing=1\n"));
   EXPECT_EQ(pages_read(channels), (std::vector{0, 1, 2, 3, 4, 5, 6, 7, 8}));
@@ -366,8 +365,8 @@ TEST_F(Tiff, ImageJCalibration) {
          "without two coefficients");
 }
 
-// ImageJ reads signed 16-bit samples as unsigned ones with the calibration for signed; both
-// together are the samples themselves.
+// ImageJ reads signed 16-bit samples as unsigned samples with a calibration for signed values;
+// together they are the samples themselves.
 TEST_F(Tiff, ImageJCalibrationOfSignedSamples) {
   TiffWriter file;
   TiffPage page{
@@ -415,7 +414,7 @@ std::string big_stack(std::size_t pages_promised, std::size_t pages_there, bool 
   return TiffWriter(is_big_endian).add(page).bytes();
 }
 
-TEST_F(Tiff, ImagesBehindTheOnlyPage) {
+TEST_F(Tiff, ImagesAfterTheOnlyPage) {
   for (const bool is_big_endian : {false, true}) {
     const VolumeFile file = read(big_stack(6, 6, is_big_endian), {.channel = "1"});
     ASSERT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{4, 3, 3}));
@@ -424,22 +423,21 @@ TEST_F(Tiff, ImagesBehindTheOnlyPage) {
                 static_cast<double>((i / 12 * 2 + 1) * 256 + i % 12));
     }
   }
-  refuse(big_stack(40, 6, false), ErrorCode::bad_file, "the header promises 960 bytes of samples",
+  refuse(big_stack(40, 6, false), ErrorCode::bad_file, "the header states 960 bytes of samples",
          {.channel = "1"});
-  refuse(big_stack(1000000, 6, false), ErrorCode::bad_file, "the header promises",
-         {.channel = "1"});
-  // Found by a fuzzer: a list of a million channels was made first.
+  refuse(big_stack(1000000, 6, false), ErrorCode::bad_file, "the header states", {.channel = "1"});
+  // Found by a fuzzer: a list of a million channels was allocated first.
   TiffPage page{.samples = samples_of(0),
                 .description = "ImageJ=1.53t\nchannels=1000000\nslices=1000000\nframes=1000000\n"};
-  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header promises");
+  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header states");
 }
 
-TEST_F(Tiff, ImagesBehindTheOnlyPageMustBePlain) {
+TEST_F(Tiff, ImagesAfterTheOnlyPageMustBeUncompressed) {
   TiffPage page{.samples = samples_of(0),
                 .description = "ImageJ=1.53t\nimages=16\nslices=16\n",
                 .more = {{259, 3, {32773}}}};
   refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file,
-         "promises 1 channels x 16 slices x 1 time points, the file has 1 page");
+         "states 1 channels x 16 slices x 1 time points, the file has 1 page");
   page.more = {{322, 4, {16}}, {323, 4, {16}}, {324, 4, {8}}, {325, 4, {256}}};
   refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the file has 1 page");
 }
@@ -450,12 +448,12 @@ TEST_F(Tiff, TifffilesTruncatedStack) {
                 .strip_bytes = 12};
   EXPECT_EQ(pages_read(read(TiffWriter().add(page).bytes())), (std::vector{0, 1}));
   page.description = R"({"truncated": true, "shape": [999999, 3, 4]})";
-  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header promises");
+  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header states");
 }
 
-// Descriptions of other programs, places on the earth, profiles of colours, ImageJ's regions of
+// Descriptions of other programs, geographic positions, colour profiles, ImageJ's regions of
 // interest.
-TEST_F(Tiff, TagsThatSayNothingOfSamplesAreNotUsed) {
+TEST_F(Tiff, TagsThatDoNotConcernSamplesAreIgnored) {
   for (const char* description :
        {"Aperio Image Library v11\n40x|MPP = 0.25",
         "<MetaData><prop id=\"spatial-calibration-x\" value=\"2\"/></MetaData>",
@@ -495,10 +493,10 @@ TEST_F(Tiff, OmeDimensionOrders) {
       {"XYCTZ", {1, 4, 2}}, {"XYTCZ", {2, 4, 1}}, {"XYTZC", {6, 2, 1}}};
   for (const auto& [order, stride] : orders) {
     SCOPED_TRACE(order);
-    const std::string bytes = pages(
-        12,
-        ome("DimensionOrder=\"" + order + R"(" SizeZ="3" SizeC="2" SizeT="2")",
-            R"(<Channel ID="c:0" Name="DAPI"/><Channel ID="c:1" Name="GFP"/><TiffData IFD="0" PlaneCount="12"/>)"));
+    const std::string bytes =
+        pages(12, ome("DimensionOrder=\"" + order + R"(" SizeZ="3" SizeC="2" SizeT="2")",
+                      R"(<Channel ID="c:0" Name="DAPI"/><Channel ID="c:1" Name="GFP"/><TiffData)"
+                      R"( IFD="0" PlaneCount="12"/>)"));
     for (const int c : {0, 1}) {
       for (const int t : {0, 1}) {
         const int first = c * stride[0] + t * stride[2];
@@ -513,9 +511,10 @@ TEST_F(Tiff, OmeDimensionOrders) {
   }
 }
 
-TEST_F(Tiff, OmePlanesOnTheStageMoveNothing) {
+TEST_F(Tiff, OmeStagePositionsAreIgnored) {
   const std::string planes =
-      R"(<TiffData/><Plane TheZ="0" TheC="0" TheT="0" PositionX="500" PositionY="20" PositionZ="3"/>)";
+      R"(<TiffData/><Plane TheZ="0" TheC="0" TheT="0" PositionX="500" PositionY="20")"
+      R"( PositionZ="3"/>)";
   const VolumeFile file = read(pages(
       3, ome(std::string(kStack) + R"( PhysicalSizeX="1" PhysicalSizeY="1" PhysicalSizeZ="2")",
              planes)));
@@ -524,7 +523,7 @@ TEST_F(Tiff, OmePlanesOnTheStageMoveNothing) {
   EXPECT_EQ(file.source.warnings, kNone);
 }
 
-TEST_F(Tiff, OmePagesWithoutAPlaneAreWarnedOf) {
+TEST_F(Tiff, OmePagesWithoutAPlaneGiveAWarning) {
   const VolumeFile file =
       read(pages(3, ome(R"(DimensionOrder="XYZCT" SizeZ="2" SizeC="1" SizeT="1")",
                         R"(<TiffData IFD="0" PlaneCount="2"/>)")));
@@ -538,14 +537,15 @@ TEST_F(Tiff, OmeLengthsAndUnits) {
   const auto lengths = [&](const std::string& attributes) {
     return read(pages(3, ome(kStack + (" " + attributes), kAll)));
   };
-  const VolumeFile mixed = lengths(
-      R"(PhysicalSizeX="200" PhysicalSizeXUnit="nm" PhysicalSizeY="0.3" PhysicalSizeZ="0.0005" PhysicalSizeZUnit="mm")");
+  const VolumeFile mixed =
+      lengths(R"(PhysicalSizeX="200" PhysicalSizeXUnit="nm" PhysicalSizeY="0.3")"
+              R"( PhysicalSizeZ="0.0005" PhysicalSizeZUnit="mm")");
   expect_size_and_spacing(mixed.volume, {4, 3, 3}, {200, 300, 500}, 1e-9);
   EXPECT_EQ(mixed.volume.view.grid.unit, LengthUnit::nanometre);
   const VolumeFile flat = lengths(R"(PhysicalSizeX="0.2" PhysicalSizeY="0.3")");
   EXPECT_EQ(flat.volume.view.grid.spacing, (Vec3{0.2, 0.3, 1}));
   EXPECT_EQ(flat.source.warnings,
-            std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
+            std::vector<std::string>{"states no voxel size along z; 1 um is assumed there"});
   const VolumeFile angstrom = lengths(
       "PhysicalSizeX=\"2\" PhysicalSizeXUnit=\"\u00C5\" PhysicalSizeY=\"0.2\" "
       "PhysicalSizeYUnit=\"nm\" "
@@ -559,33 +559,32 @@ TEST_F(Tiff, OmeLengthsAndUnits) {
   EXPECT_EQ(pixels.source.warnings, kNone);
   const VolumeFile none = lengths(R"(PhysicalSizeX="0" PhysicalSizeY="-1" PhysicalSizeZ="NaN")");
   EXPECT_FALSE(none.source.has_spacing);
-  refuse(
-      pages(
-          3,
-          ome(std::string(kStack) +
-                  R"( PhysicalSizeX="1" PhysicalSizeXUnit="ly" PhysicalSizeY="1" PhysicalSizeZ="1")",
-              kAll)),
-      ErrorCode::unsupported, "some have a known unit and some do not");
+  refuse(pages(3, ome(std::string(kStack) +
+                          R"( PhysicalSizeX="1" PhysicalSizeXUnit="ly" PhysicalSizeY="1")"
+                          R"( PhysicalSizeZ="1")",
+                      kAll)),
+         ErrorCode::unsupported, "some have a known unit and some do not");
 }
 
 TEST_F(Tiff, OmePlanesByPage) {
-  // Slices in reverse, one block each.
+  // Slices in reverse order, one block each.
   const std::string reverse =
-      R"(<TiffData FirstZ="2" IFD="0"/><TiffData FirstZ="1" IFD="1"/><TiffData FirstZ="0" IFD="2"/>)";
+      R"(<TiffData FirstZ="2" IFD="0"/><TiffData FirstZ="1" IFD="1"/><TiffData FirstZ="0")"
+      R"( IFD="2"/>)";
   EXPECT_EQ(pages_read(read(pages(3, ome(kStack, reverse)))), (std::vector{2, 1, 0}));
-  // The first page is of something else.
+  // The first page belongs to something else.
   EXPECT_EQ(pages_read(read(pages(4, ome(kStack, R"(<TiffData IFD="1" PlaneCount="3"/>)")))),
             (std::vector{1, 2, 3}));
   EXPECT_EQ(pages_read(read(pages(5, ome(kStack, kAll)))), (std::vector{0, 1, 2}));
   refuse(pages(3, ome(kStack, R"(<TiffData IFD="0"/><TiffData IFD="1" FirstZ="1"/>)")),
          ErrorCode::bad_file, "names no page for channel 0, slice 2");
   refuse(pages(2, ome(kStack, R"(<TiffData IFD="0" PlaneCount="3"/>)")), ErrorCode::bad_file,
-         "promises a page 3, the file has 2");
+         "states a page 3, the file has 2");
   refuse(pages(2, ome(kStack, kAll)), ErrorCode::bad_file, "names no page for channel 0, slice 2");
   refuse(pages(3, ome(kStack, R"(<TiffData IFD="0" FirstZ="3"/>)")), ErrorCode::bad_file,
          "beyond its own sizes");
   refuse(pages(3, ome(kStack, R"(<TiffData IFD="18446744073709551615" PlaneCount="3"/>)")),
-         ErrorCode::unsupported, "has none of the planes");
+         ErrorCode::unsupported, "has no planes of its OME image");
   refuse(pages(3, ome(kStack, "")), ErrorCode::unsupported, "has no TiffData");
 }
 
@@ -600,8 +599,8 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
          ErrorCode::unsupported,
          "is one of several files of an OME-TIFF: channel 0, slice 1, time 0 is in 'b.tif'");
   refuse(pages(2, ome(two, block(0, "urn:uuid:3", "c.tif") + block(1, "urn:uuid:2", "b.tif"), own)),
-         ErrorCode::unsupported, "they are in 'c.tif'");
-  // A file that was renamed knows itself by its UUID, one without by its name.
+         ErrorCode::unsupported, "which are in 'c.tif'");
+  // A file is identified by its UUID, so it may be renamed; a file without a UUID by its name.
   const auto whole = [](const std::string& file) {
     return "<TiffData IFD=\"0\" PlaneCount=\"2\"><UUID FileName=\"" + file +
            "\">urn:uuid:1</UUID></TiffData>";
@@ -609,7 +608,7 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
   EXPECT_EQ(pages_read(read(pages(2, ome(two, whole("old name.tif"), own)))), (std::vector{0, 1}));
   EXPECT_EQ(pages_read(read(pages(2, ome(two, whole("./a.tif"))))), (std::vector{0, 1}));
   refuse(pages(2, ome(two, whole("old name.tif"))), ErrorCode::unsupported, "'old name.tif'");
-  // A channel that is here can be read.
+  // A channel in this file can be read.
   const std::string channels =
       R"(<TiffData IFD="0" FirstC="1" PlaneCount="2"/>)"
       R"(<TiffData IFD="0" PlaneCount="2"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)";
@@ -618,11 +617,9 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
   EXPECT_EQ(pages_read(read(bytes, {.channel = "1"})), (std::vector{0, 1}));
   refuse(bytes, ErrorCode::unsupported, "channel 0, slice 0, time 0 is in 'b.tif'",
          {.channel = "0"});
-  refuse(
-      pages(
-          2,
-          R"(<?xml version="1.0"?><OME xmlns="x"><BinaryOnly MetadataFile="set.companion.ome" UUID="urn:uuid:9"/></OME>)"),
-      ErrorCode::unsupported, "its OME-XML is in another file, 'set.companion.ome'");
+  refuse(pages(2, R"(<?xml version="1.0"?><OME xmlns="x"><BinaryOnly)"
+                  R"( MetadataFile="set.companion.ome" UUID="urn:uuid:9"/></OME>)"),
+         ErrorCode::unsupported, "its OME-XML is in another file, 'set.companion.ome'");
 }
 
 TEST_F(Tiff, OmeSeries) {
@@ -644,7 +641,7 @@ TEST_F(Tiff, OmeSeries) {
   EXPECT_EQ(right.source.choices[0].selected, 1U);
 }
 
-TEST_F(Tiff, OmeWithoutSense) {
+TEST_F(Tiff, OmeThatIsInvalid) {
   refuse(pages(3, "<OME><Image><Pixels"), ErrorCode::bad_file, "OME-XML is damaged after");
   refuse(pages(3, "<OME></OME>"), ErrorCode::bad_file, "describes no image");
   refuse(pages(3, "<OME><Image/></OME>"), ErrorCode::bad_file, "has no Pixels");
@@ -661,7 +658,7 @@ TEST_F(Tiff, OmeWithoutSense) {
                         kAll)),
            ErrorCode::bad_file, "DimensionOrder");
   }
-  // Many planes in other files, named over and over, are not worth minutes.
+  // Many planes in other files, named repeatedly, must not take minutes.
   std::string blocks;
   for (int i = 0; i < 30; ++i)
     blocks +=
@@ -673,11 +670,12 @@ TEST_F(Tiff, OmeWithoutSense) {
 
 TEST_F(Tiff, OmeSizesThatDiffer) {
   const std::string description =
-      R"(<OME><Image><Pixels DimensionOrder="XYZCT" SizeX="8" SizeY="6" SizeZ="2" SizeC="1" SizeT="1"><TiffData/></Pixels></Image></OME>)";
+      R"(<OME><Image><Pixels DimensionOrder="XYZCT" SizeX="8" SizeY="6" SizeZ="2" SizeC="1")"
+      R"( SizeT="1"><TiffData/></Pixels></Image></OME>)";
   const VolumeFile file = read(pages(2, description));
   EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
   EXPECT_EQ(file.source.warnings[0],
-            "OME-XML promises 8 x 6 samples, its pages have 4 x 3; the pages are right");
+            "OME-XML states 8 x 6 samples, its pages have 4 x 3; the sizes of the pages are used");
 }
 
 TEST_F(Tiff, OmeSlicesThatAreAngles) {
@@ -699,7 +697,7 @@ TEST_F(Tiff, OmeChannelsWithinPages) {
   EXPECT_EQ(sample_as_double(read(file.bytes(), {.channel = "2"}).volume, 5), 17);
   page.description = ome(R"(DimensionOrder="XYCZT" SizeZ="2" SizeC="2" SizeT="1")", kAll);
   refuse(TiffWriter().add(page).add(page).bytes(), ErrorCode::bad_file,
-         "promises 2 channels (SizeC), but its pages hold 3 each");
+         "states 2 channels (SizeC), but its pages hold 3 each");
 }
 
 // ---------------------------------------------------------------- tifffile, SCIFIO, LSM, MetaMorph
@@ -720,11 +718,12 @@ TEST_F(Tiff, TifffilesShapes) {
   for (const std::string axes : {"XYZ", "ZXY", "YXZ"})
     refuse(pages(3, R"({"axes": ")" + axes + R"(", "shape": [3, 3, 4]})"), ErrorCode::unsupported,
            "its axes are '" + axes + "', slowest first");
-  // A description that was kept while pages were added.
+  // A description that was not updated when pages were added.
   const VolumeFile stale = read(pages(4, R"({"shape": [3, 3, 4]})"));
   EXPECT_EQ(stale.volume.view.grid.size[2], 4U);
   EXPECT_EQ(stale.source.warnings[0],
-            "its description is of an array of 3 x 3 x 4, which its 4 pages are not; they are read "
+            "its description states an array of 3 x 3 x 4, which does not match its 4 pages; they "
+            "are read "
             "as slices");
   for (const char* odd : {R"({"shape": [})", R"({"shape": [99999999999999999999999, 3, 4]})",
                           R"({"shape": "x"})", R"({"shape": [0, 3, 4]})"}) {
@@ -765,7 +764,7 @@ TEST_F(Tiff, ScifiosAxes) {
               "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,3\nscales=1.0,1.0,1.0\nunits=null,null,null\n"))
           .source.has_spacing);
   refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,5\nscales=1,1,1\nunits=um,um,um\n"),
-         ErrorCode::bad_file, "promises 5 pages, the file has 3");
+         ErrorCode::bad_file, "states 5 pages, the file has 3");
   refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Lifetime\nlengths=4,3,3\nscales=1,1,1\nunits=um,um,um\n"),
          ErrorCode::unsupported, "an axis 'Lifetime'");
   refuse(pages(3, "SCIFIO=0.45\naxes=X\nlengths=4\n"), ErrorCode::bad_file, "X and Y first");
@@ -803,7 +802,7 @@ TEST_F(Tiff, ZeissLsm) {
   EXPECT_EQ(pages_read(stack), (std::vector{0, 1, 2, 3}));
   expect_size_and_spacing(stack.volume, {4, 3, 4}, {0.25, 0.3, 1}, 1e-12);
   EXPECT_EQ(stack.volume.view.grid.unit, LengthUnit::micrometre);
-  EXPECT_EQ(decision(stack, "previews"), "4 reduced pages or masks left out");
+  EXPECT_EQ(decision(stack, "previews"), "4 reduced pages or masks ignored");
   EXPECT_EQ(pages_read(read(file(lsm_info(2, 2, 0)), {.time = 1})), (std::vector{2, 3}));
   refuse(file(lsm_info(4, 1, 6)), ErrorCode::unsupported, "is a Zeiss LSM file of scan type 6");
   refuse(file(lsm_info(3, 1, 0)), ErrorCode::unsupported, "4 pages for 3 slices");
@@ -823,7 +822,7 @@ TEST_F(Tiff, PackedBits) {
     std::vector<unsigned> values;
     for (unsigned page = 0; page < 2; ++page) {
       std::string packed;
-      for (unsigned row = 0; row < 3; ++row) {  // each row begins in a byte of its own
+      for (unsigned row = 0; row < 3; ++row) {  // each row begins in a new byte
         std::string row_bits;
         for (unsigned i = 0; i < 5; ++i) {
           const unsigned value = (page * 40503 + row * 9973 + i * 30011 + 1) & ((1U << bits) - 1);
@@ -868,11 +867,11 @@ TEST_F(Tiff, HalfPrecision) {
 TEST_F(Tiff, PhotometricAndOrientation) {
   const VolumeFile white = read(pages(2, "", {.photometric = 0}));
   EXPECT_EQ(pages_read(white), (std::vector{0, 1}));
-  EXPECT_EQ(decision(white, "photometric"), "white is zero, samples kept as stored");
+  EXPECT_EQ(decision(white, "photometric"), "white is zero; samples are kept as stored");
   const VolumeFile turned = read(pages(2, "", {.more = {{274, 3, {4}}}}));
   EXPECT_EQ(pages_read(turned), (std::vector{0, 1}));
   EXPECT_EQ(turned.source.warnings[0],
-            "states an orientation (4) other than top left, rows and columns are kept as stored");
+            "states an orientation (4) other than top left; rows and columns are kept as stored");
   refuse(pages(2, "", {.photometric = 5}), ErrorCode::unsupported, "has colour pages (CMYK)");
   TiffPage video{.samples = samples_of(0, 36), .values = 3, .photometric = 6};
   refuse(TiffWriter().add(video).add(video).bytes(), ErrorCode::unsupported,
@@ -913,7 +912,8 @@ TEST_F(Tiff, PreviewsAndMasks) {
   TiffWriter file;
   file.add({.width = 2, .height = 2, .samples = "abcd", .more = {{254, 4, {1}}}});
   for (std::size_t i = 0; i < 3; ++i)
-    file.add({.samples = samples_of(i), .more = {{254, 4, {2}}}});  // a page of several
+    file.add(
+        {.samples = samples_of(i), .more = {{254, 4, {2}}}});  // marked as one of several pages
   file.add({.samples = samples_of(9), .more = {{254, 4, {4}}}});
   EXPECT_EQ(pages_read(read(file.bytes())), (std::vector{0, 1, 2}));
   refuse(pages(2, "", {.more = {{254, 4, {1}}}}), ErrorCode::unsupported,
@@ -1009,7 +1009,7 @@ TEST_F(Tiff, PredictorThatLibtiffDoesNotUndoIsRefused) {
   }
 }
 
-// Fax and photograph decoders go on when their data end, and make up the rest.
+// Fax and photograph decoders continue after the end of their data and invent the rest.
 TEST_F(Tiff, DamagedStreamsAreNeverFilledUp) {
   for (const auto& [compression, bits] : {std::pair{COMPRESSION_CCITTFAX4, 1},
                                           {COMPRESSION_CCITTFAX3, 1},
@@ -1036,12 +1036,12 @@ TEST_F(Tiff, DamagedStreamsAreNeverFilledUp) {
 
 // ---------------------------------------------------------------- structure
 
-TEST_F(Tiff, RingOfPages) {
+TEST_F(Tiff, LoopOfPages) {
   for (const bool is_big_tiff : {false, true}) {
     TiffWriter file(false, is_big_tiff);
     file.add({.samples = samples_of(0)}).add({.samples = samples_of(1)});
     EXPECT_EQ(pages_read(read(file.bytes())), (std::vector{0, 1}));
-    refuse(file.ring(), ErrorCode::bad_file, "its pages are a ring");
+    refuse(file.ring(), ErrorCode::bad_file, "its pages form a loop");
   }
 }
 
@@ -1076,14 +1076,14 @@ TEST_F(Tiff, HostileSizes) {
          {.channel = "7"});
   refuse(page(0xFFFFFFFF, 0xFFFFFFFF), ErrorCode::bad_file, "");
   refuse(page(0, 3), ErrorCode::bad_file, "");
-  // A fax or zstandard page of one colour may be any size: the limit of memory holds.
+  // A fax or zstandard page of one colour may have any size, so the memory limit must apply.
   refuse(page(100000, 100000, 1, COMPRESSION_LZMA), ErrorCode::out_of_memory, "more than the limit",
          {.max_memory = 1000000});
   TiffPage tile{.samples = "abc",
                 .more = {{322, 4, {1U << 20}}, {323, 4, {1U << 20}}, {324, 4, {8}}, {325, 4, {3}}}};
   refuse(TiffWriter().add(tile).add(tile).bytes(), ErrorCode::bad_file, "");
   refuse(pages(2, "", {.more = {{322, 4, {16}}, {323, 4, {16}}, {324, 4, {0}}, {325, 4, {0}}}}),
-         ErrorCode::bad_file, "page 1 leaves out a part of its samples (a sparse or damaged TIFF)");
+         ErrorCode::bad_file, "page 1 has only a part of its samples (a sparse or damaged TIFF)");
 }
 
 TEST_F(Tiff, ManyPages) {

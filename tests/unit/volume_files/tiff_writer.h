@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TIFF files written by hand, so that every tag can be what it must not be.
+// Writes TIFF files by hand, so that tags can have invalid values.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace isoatlas::detail::test {
 struct TiffTag {
   std::uint16_t tag;
   std::uint16_t type;  // 1 BYTE, 2 ASCII, 3 SHORT, 4 LONG, 5 RATIONAL (two numbers each)
-  std::vector<std::uint32_t> values;  // or:
+  std::vector<std::uint32_t> values;  // otherwise `bytes`
   std::string bytes = {};
 };
 
@@ -23,12 +23,12 @@ struct TiffPage {
   std::string samples = {};
   std::string description = {};
   std::uint32_t bits = 8, format = 1, values = 1, photometric = 1;
-  std::optional<std::uint32_t> strip_bytes = {};  // none: all samples
-  std::vector<TiffTag> more = {};                 // replace those above
+  std::optional<std::uint32_t> strip_bytes = {};  // empty: all samples
+  std::vector<TiffTag> more = {};                 // replace the tags made from the fields above
 };
 
-/// Classic or BigTIFF of one uncompressed strip per page. The samples must be in the file's byte
-/// order.
+/// Writes classic or BigTIFF files with one uncompressed strip per page. The samples must be in the
+/// file's byte order.
 class TiffWriter {
  public:
   explicit TiffWriter(bool is_big_endian = false, bool is_big_tiff = false)

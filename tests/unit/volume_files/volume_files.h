@@ -50,8 +50,8 @@ void with_type(SampleType type, Use use) {
   }
 }
 
-/// A volume of 5 x 4 x 3 samples whose values use the whole range of the type, in a turned and
-/// shifted grid.
+/// A volume of 5 x 4 x 3 samples whose values use the whole range of the type, in a rotated grid
+/// away from the origin.
 struct TestVolume {
   Grid grid;
   SampleType type;

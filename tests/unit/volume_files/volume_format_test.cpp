@@ -13,13 +13,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(VolumeFormat, IsThatOfTheContentWhateverTheName) {
+TEST(VolumeFormat, IsFoundByTheContentForAnyName) {
   const TempFolder folder;
   fs::copy_file(field_file("v_far.vti"), folder / "scan");
   EXPECT_NO_THROW(read_volume(folder / "scan"));
 }
 
-TEST(VolumeFormat, RefusesOptionsThatTheFileHasNoUseFor) {
+TEST(VolumeFormat, RefusesUnusedOptions) {
   const fs::path path = field_file("r_sp_las.nrrd");
   EXPECT_NO_THROW(read_volume(path, {.channel = "0"}));
   EXPECT_THROW(read_volume(path, {.channel = "1"}), Error);
@@ -29,7 +29,7 @@ TEST(VolumeFormat, RefusesOptionsThatTheFileHasNoUseFor) {
   EXPECT_THROW(read_volume(path, {.series = "1.2.3"}), Error);
 }
 
-TEST(VolumeFormat, TheSpacingGivenReplacesTheFiles) {
+TEST(VolumeFormat, TheGivenSpacingReplacesTheFiles) {
   const VolumeFile file = read_volume_file(field_file("r_sp_las.nrrd"), {.spacing = Vec3{1, 2, 3}});
   EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_THROW(read_volume(field_file("r_sp_las.nrrd"), {.spacing = Vec3{1, 0, 3}}), Error);
@@ -47,7 +47,7 @@ TEST(VolumeFormat, NeverAllocatesMoreThanAllowed) {
 }
 
 TEST(VolumeFormat, DigestIsThatOfTheBytes) {
-  const std::string bytes = "abcdefgh";  // sha256sum's answer below
+  const std::string bytes = "abcdefgh";  // the digest below is from sha256sum
   const VolumeView view{
       .grid = {.size = {2, 2, 2}}, .type = SampleType::uint8, .samples = bytes.data()};
   EXPECT_EQ(sample_digest(view),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every volume format with every sample type it can hold: written by another library, read by ours.
+// Every volume format with every sample type that it can hold: written by another library, read by
+// isoatlas.
 #include <gtest/gtest.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
@@ -155,7 +156,7 @@ TEST_P(EveryType, Vti) {
   samples->SetName("density");
   const Grid& grid = written_.grid;
   vtkNew<vtkImageData> image;
-  // VTK's origin is where index 0 would be, and this image begins at index (2, -1, 7).
+  // VTK's origin is the position of index 0, and this image begins at index (2, -1, 7).
   const std::array<int, 3> begin{2, -1, 7};
   image->SetExtent(begin[0], begin[0] + 4, begin[1], begin[1] + 3, begin[2], begin[2] + 2);
   image->SetSpacing(grid.spacing.x, grid.spacing.y, grid.spacing.z);
@@ -198,7 +199,7 @@ TEST_P(EveryType, Raw) {
   expect_same(read_volume(path, {.raw = layout}), written_, Geometry::spacing_only);
 }
 
-TEST(VolumeGeometry, NegativeSpacingTurnsTheAxis) {
+TEST(VolumeGeometry, NegativeSpacingReversesTheAxis) {
   const TempFolder folder;
   write_bytes(folder / "turned.nrrd",
               "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 -2 3\nencoding: "
@@ -208,7 +209,7 @@ TEST(VolumeGeometry, NegativeSpacingTurnsTheAxis) {
   EXPECT_EQ(grid.direction[1], (Vec3{0, -1, 0}));
 }
 
-TEST(VolumeGeometry, LengthOfAnAxisGoesToTheSpacing) {
+TEST(VolumeGeometry, LengthOfAnAxisIsMovedToTheSpacing) {
   const TempFolder folder;
   write_bytes(folder / "long.mha",
               "ObjectType = Image\nNDims = 3\nBinaryData = True\nTransformMatrix = 0 2 0 -1 0 0 0 "
@@ -222,7 +223,7 @@ TEST(VolumeGeometry, LengthOfAnAxisGoesToTheSpacing) {
   EXPECT_EQ(grid.origin, (Vec3{1, 2, 3}));
 }
 
-TEST(VolumeGeometry, NrrdInRasComesOutInLps) {
+TEST(VolumeGeometry, NrrdInRasIsReadInLps) {
   const TempFolder folder;
   write_bytes(folder / "ras.nrrd",
               "NRRD0005\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 2 2 2\n"

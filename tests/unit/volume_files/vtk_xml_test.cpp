@@ -22,10 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// SHA-256 of the field volumes' samples, by numpy and VTK's own reader.
+// SHA-256 of the samples of the field volumes, by numpy and VTK's own reader.
 constexpr const char* kFieldDigest =
     "a4fa5c761d0d079ac164ffc4193be0900ba5767e29e874e52f6d693c4b75c59d";
-constexpr int kPoints = 24;  // of the extent 0 3 0 2 0 1
+constexpr int kPoints = 24;  // in the extent 0 3 0 2 0 1
 
 std::string integers(int count, int first = 0, int step = 1) {
   std::string numbers;
@@ -66,7 +66,7 @@ std::string image(const std::string& content) {
   return vtk_file("ImageData", kImage, piece("0 3 0 2 0 1", content));
 }
 
-// A raw appended array, with whatever header and bytes.
+// A raw appended array with any header and bytes.
 std::string appended(const std::string& data,
                      const std::string& file_attributes = "header_type='UInt32'") {
   std::string file = vtk_file(
@@ -107,10 +107,10 @@ class VtkXml : public testing::Test {
     write_bytes(path(), bytes);
     return read_volume_file(path(), options);
   }
-  void expect_refused(const std::string& bytes, ErrorCode code, const std::string& says,
+  void expect_refused(const std::string& bytes, ErrorCode code, const std::string& message,
                       const ReadOptions& options = {}) {
     write_bytes(path(), bytes);
-    expect_error(code, says, path(), [&] { read_volume_file(path(), options); });
+    expect_error(code, message, path(), [&] { read_volume_file(path(), options); });
   }
   fs::path path() const { return folder_ / "a.vti"; }
   TempFolder folder_;
@@ -194,7 +194,7 @@ TEST_F(VtkXml, PointDataComesBeforeCellData) {
   EXPECT_EQ(points.source.choices[0].entries,
             (std::vector<std::string>{"v: float32", "cell:v: float32"}));
   expect_refused(both, ErrorCode::unsupported, "3 x 2 x 1",
-                 {.array = "cell:v"});  // one layer of cells is no volume
+                 {.array = "cell:v"});  // one layer of cells is not a volume
 }
 
 TEST_F(VtkXml, ComponentsAreChannels) {
@@ -247,7 +247,7 @@ TEST_F(VtkXml, GeometryIsThatOfTheFile) {
                  ErrorCode::bad_file, "spacing along y");
 }
 
-TEST_F(VtkXml, PiecesInOneFileArePutTogether) {
+TEST_F(VtkXml, PiecesInOneFileAreAssembled) {
   const std::string left =
       piece("0 1 0 2 0 1", point_data(floats("v", "0 1 4 5 8 9 12 13 16 17 20 21")));
   const std::string right = piece(
@@ -282,7 +282,7 @@ TEST_F(VtkXml, PiecesInOneFileArePutTogether) {
                  "other values in one piece");
 }
 
-TEST_F(VtkXml, CellDataOfPiecesIsPutTogether) {
+TEST_F(VtkXml, CellDataOfPiecesIsAssembled) {
   const std::string grid = "WholeExtent='0 4 0 2 0 2' Origin='0 0 0' Spacing='1 1 1'";
   const VolumeFile file = read(
       vtk_file("ImageData", grid,
@@ -292,8 +292,8 @@ TEST_F(VtkXml, CellDataOfPiecesIsPutTogether) {
   expect_ramp(file, 16);
 }
 
-// One layer of points that belong to the other piece, with values that are not the other's.
-TEST_F(VtkXml, GhostSamplesAreTheOtherPieces) {
+// One layer of points belongs to the other piece, but has other values than there.
+TEST_F(VtkXml, GhostSamplesComeFromTheOtherPiece) {
   const std::string left = piece(
       "0 2 0 2 0 1",
       point_data(floats("v", "0 1 -9 4 5 -9 8 9 -9 12 13 -9 16 17 -9 20 21 -9") +
@@ -338,8 +338,8 @@ class VtkXmlParallel : public VtkXml {
             "<PPointData Scalars='v'>\n<PDataArray type='Float32' Name='v'/>\n</PPointData>\n" +
                 pieces));
   }
-  void expect_header_refused(ErrorCode code, const std::string& says) {
-    expect_error(code, says, header(), [&] { read_volume_file(header()); });
+  void expect_header_refused(ErrorCode code, const std::string& message) {
+    expect_error(code, message, header(), [&] { read_volume_file(header()); });
   }
   const std::string pieces_ =
       "<Piece Extent='0 1 0 2 0 1' Source='d/0.vti'/><Piece Extent='1 3 0 2 0 1' "
@@ -347,19 +347,19 @@ class VtkXmlParallel : public VtkXml {
       "<Piece Extent='0 -1 0 -1 0 -1' Source='d/none.vti'/>";
 };
 
-TEST_F(VtkXmlParallel, PiecesInOtherFilesArePutTogether) {
+TEST_F(VtkXmlParallel, PiecesInOtherFilesAreAssembled) {
   write_pieces();
   write_header(pieces_);
   const VolumeFile file = read_volume_file(header());
   expect_size_and_spacing(file.volume, {4, 3, 2}, {0.5, 0.25, 2}, 0);
   EXPECT_EQ(file.volume.view.grid.origin, (Vec3{1, 2, 3}));
   EXPECT_EQ(file.volume.view.grid.direction[0],
-            (Vec3{0, 1, 0}));  // VTK 9.1 writes it into the pieces only
+            (Vec3{0, 1, 0}));  // VTK 9.1 writes the direction into the pieces only
   EXPECT_EQ(file.source.format, "VTK XML parallel image data");
   expect_ramp(file);
 }
 
-TEST_F(VtkXmlParallel, WhatIsWrongWithAPieceIsNamed) {
+TEST_F(VtkXmlParallel, ErrorsNameThePiece) {
   write_pieces();
   write_header(pieces_);
   fs::remove(folder_ / "d/0.vti");
@@ -412,7 +412,7 @@ TEST_F(VtkXml, RectilinearGridsNeedEqualSteps) {
   expect_refused(none, ErrorCode::bad_file, "has no <Coordinates>");
 }
 
-TEST_F(VtkXml, RectilinearPiecesArePutTogether) {
+TEST_F(VtkXml, RectilinearPiecesAreAssembled) {
   const auto coordinates = [](const std::string& x) {
     return "<Coordinates>" + floats("x", x) + floats("y", "0 1 2") + floats("z", "0 1") +
            "</Coordinates>";
@@ -471,9 +471,10 @@ TEST_F(VtkXml, ValuesAreAllThereOrRefused) {
   expect_refused(values("format='ascii' NumberOfTuples='12'", integers(24)), ErrorCode::bad_file,
                  "states NumberOfTuples 12, expected 24");
   EXPECT_NO_THROW(read(values("format='ascii' NumberOfTuples='24'", integers(24))));
-  // VTK 9.1 reads these, too, and returns what was in memory for the missing values.
-  const std::string base64 = "YAAAAAAAAAAAAIA/AAAAQAAAQEA";  // 96 bytes are promised, 16 are there
-  expect_refused(values("format='binary'", base64), ErrorCode::bad_file, "promises 96 bytes");
+  // VTK 9.1 reads these as well and returns uninitialised memory for the missing values.
+  const std::string base64 =
+      "YAAAAAAAAAAAAIA/AAAAQAAAQEA";  // the header states 96 bytes, the file has 16
+  expect_refused(values("format='binary'", base64), ErrorCode::bad_file, "states 96 bytes");
   expect_refused(
       values("format='binary'", base64 + std::string(100, ' ') + "=" + std::string(200, '\n')),
       ErrorCode::bad_file, "its samples end too early");
@@ -482,7 +483,7 @@ TEST_F(VtkXml, ValuesAreAllThereOrRefused) {
       ErrorCode::bad_file, "base64 text ends too early");
 }
 
-TEST_F(VtkXml, InformationKeysAreNoValues) {
+TEST_F(VtkXml, InformationKeysAreNotValues) {
   const std::string key =
       "<InformationKey name='L2_NORM_RANGE' location='vtkDataArray' length='2'>\n"
       "<Value index='0'>\n1\n</Value>\n</InformationKey>\n";
@@ -499,7 +500,7 @@ TEST_F(VtkXml, AppendedValuesAreAllThereOrRefused) {
   expect_refused(appended(number(97) + ramp_bytes()), ErrorCode::bad_file,
                  "has 97 bytes of values, expected 96");
   expect_refused(appended(number(96) + ramp_bytes(23)), ErrorCode::bad_file,
-                 "promises 96 bytes of samples, the file has 93");
+                 "states 96 bytes of samples, the file has 93");
   expect_refused(appended(""), ErrorCode::bad_file, "");
   std::string far = appended(number(96) + ramp_bytes());
   far.replace(far.find("offset='0'"), 10, "offset='9999'");
@@ -549,8 +550,8 @@ TEST_F(VtkXml, CompressedBlocksAreAllThereOrRefused) {
                  ErrorCode::unsupported, "is compressed by");
 }
 
-// Written by VTK with each compressor, as each kind of text, and cut wherever it may be.
-TEST_F(VtkXml, FilesOfVtkAreReadWhereverTheyAreNotCut) {
+// Written by VTK with each compressor and encoding, and cut at many places.
+TEST_F(VtkXml, FilesOfVtkAreReadUnlessTheyAreCut) {
   vtkNew<vtkImageData> vtk_image;
   vtk_image->SetDimensions(4, 3, 2);
   vtkNew<vtkFloatArray> values;
@@ -574,10 +575,10 @@ TEST_F(VtkXml, FilesOfVtkAreReadWhereverTheyAreNotCut) {
       const std::size_t end =
           whole.find(mode == vtkXMLWriter::Appended ? "</AppendedData" : "</DataArray", samples);
       for (std::size_t at = samples; at < end;
-           at += 7) {  // the end stays: only samples are missing
+           at += 7) {  // the end of the file stays: only samples are missing
         write_bytes(path(), whole.substr(0, at) + whole.substr(std::min(at + 7, end)));
         try {
-          expect_ramp(read_volume_file(path()));  // blanks were cut, or an attribute
+          expect_ramp(read_volume_file(path()));  // only blanks or an attribute were cut
         } catch (const Error&) {
         }
         write_bytes(path(), whole.substr(0, at));
