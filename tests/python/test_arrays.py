@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of all kinds: taken as they are, copied, or refused; never rounded."""
+
 import tracemalloc
 
 import numpy as np
@@ -20,7 +21,10 @@ REFERENCE = isoatlas.extract(scaled(np.float64), 40.5)
 
 def same_as_reference(array, iso=40.5):
     mesh = isoatlas.extract(array, iso)
-    return mesh.vertices.tobytes() == REFERENCE.vertices.tobytes() and mesh.faces.tobytes() == REFERENCE.faces.tobytes()
+    return (
+        mesh.vertices.tobytes() == REFERENCE.vertices.tobytes()
+        and mesh.faces.tobytes() == REFERENCE.faces.tobytes()
+    )
 
 
 @pytest.mark.parametrize("code", [*"bBhHiIlLqQefdg"])
@@ -34,8 +38,21 @@ def test_every_byte_order(code):
 
 
 def test_native_types_keep_their_name():
-    for name in ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"):
-        assert isoatlas.extract(scaled(name), 40.5, coarse=True).report["input"]["sample_type"] == name
+    for name in (
+        "int8",
+        "uint8",
+        "int16",
+        "uint16",
+        "int32",
+        "uint32",
+        "int64",
+        "uint64",
+        "float32",
+        "float64",
+    ):
+        assert (
+            isoatlas.extract(scaled(name), 40.5, coarse=True).report["input"]["sample_type"] == name
+        )
 
 
 def test_bool_is_0_and_1():
@@ -77,7 +94,9 @@ LAYOUTS = {
     "padded": padded,
     "misaligned": misaligned,
     "field of records": field_of_records,
-    "negative strides": lambda: np.ascontiguousarray(scaled(np.int16)[::-1, :, ::-1])[::-1, :, ::-1],
+    "negative strides": lambda: np.ascontiguousarray(scaled(np.int16)[::-1, :, ::-1])[
+        ::-1, :, ::-1
+    ],
     "broadcast": lambda: np.broadcast_to(scaled(np.int16)[np.newaxis], (1, 26, 22, 14))[0],
     "read-only": lambda: np.frombuffer(scaled(np.int16).tobytes(), np.int16).reshape(26, 22, 14),
     "nested lists": lambda: scaled(np.int16).tolist(),
@@ -137,7 +156,10 @@ def test_64_bit_integers_are_not_rounded():
         array[2:4, 2:4, 2:4] = low + 1  # the same double as `low`
         with pytest.raises(isoatlas.EmptySurfaceError):
             isoatlas.extract(array, low - 512)
-        with pytest.raises(isoatlas.BadArgumentError, match=f"iso: expected a number that is a float64, got {low + 1}"):
+        with pytest.raises(
+            isoatlas.BadArgumentError,
+            match=f"iso: expected a number that is a float64, got {low + 1}",
+        ):
             isoatlas.extract(array, low + 1)
 
 
@@ -146,7 +168,9 @@ def test_long_doubles_only_if_they_are_doubles():
     if array.dtype.itemsize == 8:
         pytest.skip("longdouble is double here")
     array[3, 4, 5] += np.finfo(np.longdouble).eps * 64
-    with pytest.raises(isoatlas.UnsupportedError, match=r"that are no float64, the first at index \(3, 4, 5\)"):
+    with pytest.raises(
+        isoatlas.UnsupportedError, match=r"that float64 cannot hold, the first at index \(3, 4, 5\)"
+    ):
         isoatlas.extract(array, 40.5)
     array[3, 4, 5] = np.nan
     assert as_samples(array).dtype == np.float64
@@ -158,12 +182,18 @@ def test_long_doubles_only_if_they_are_doubles():
         (np.zeros((4, 4)), r"the array has 2 dimensions \(4, 4\), expected 3"),
         (np.zeros((2, 3, 4, 5)), "the array has 4 dimensions"),
         (7, "the array has 0 dimensions"),
-        (np.zeros((4, 4, 4), complex), "samples of type complex128, expected bool, integers or floating-point numbers"),
+        (
+            np.zeros((4, 4, 4), complex),
+            "samples of type complex128, expected bool, integers or floating-point numbers",
+        ),
         (np.zeros((4, 4, 4), object), "samples of type object"),
         (np.zeros((4, 4, 4), "datetime64[s]"), "samples of type datetime64"),
         (np.zeros((4, 4, 4), "U3"), "samples of type <U3"),
         (np.zeros((4, 4, 4), [("a", "f4")]), "samples of type"),
-        (np.ma.masked_less(np.arange(64.0).reshape(4, 4, 4), 3), "the array has 3 masked samples, expected none"),
+        (
+            np.ma.masked_less(np.arange(64.0).reshape(4, 4, 4), 3),
+            "the array has 3 masked samples, expected none",
+        ),
     ],
 )
 def test_what_is_no_volume_is_refused(array, message):
@@ -171,7 +201,9 @@ def test_what_is_no_volume_is_refused(array, message):
         isoatlas.extract(array, 0.5)
 
 
-@pytest.mark.parametrize("shape", [(0, 4, 4), (4, 0, 4), (4, 4, 0), (1, 4, 4), (4, 1, 4), (4, 4, 1), (0, 0, 0)])
+@pytest.mark.parametrize(
+    "shape", [(0, 4, 4), (4, 0, 4), (4, 4, 0), (1, 4, 4), (4, 1, 4), (4, 4, 1), (0, 0, 0)]
+)
 def test_fewer_than_two_samples_along_an_axis(shape):
     for array in (np.zeros(shape), np.zeros(shape, order="F")):
         with pytest.raises(isoatlas.BadArgumentError):
@@ -192,7 +224,8 @@ def test_nan_is_counted_and_placed(order):
     with pytest.raises(isoatlas.UnsupportedError) as raised:
         isoatlas.extract(array, 40.5)
     assert str(raised.value) == (
-        "1 NaN and 1 infinite samples, the first at index (3, 4, 5): say with nan='below' or nan='above' on which side of the isovalue NaN lies"
+        "1 NaN and 1 infinite samples, the first at index (3, 4, 5): "
+        "set nan='below' or nan='above', the side of the isovalue on which NaN lies"
     )
     with pytest.raises(isoatlas.UnsupportedError, match=r"\(5, 4, 3\)"):
         isoatlas.extract(array, 40.5, order="xyz")

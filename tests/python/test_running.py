@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Long work: other threads go on, progress is told, and Ctrl-C ends it."""
+
 import os
 import signal
 import subprocess
@@ -42,21 +43,33 @@ def test_other_threads_go_on():
 
 def test_several_at_once():
     results = {}
-    threads = [threading.Thread(target=lambda k=k: results.update({k: isoatlas.extract(torus(), 0.1 * k)})) for k in range(4)]
+    threads = [
+        threading.Thread(target=lambda k=k: results.update({k: isoatlas.extract(torus(), 0.1 * k)}))
+        for k in range(4)
+    ]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     for k in range(4):
-        assert results[k].vertices.tobytes() == isoatlas.extract(torus(), 0.1 * k).vertices.tobytes()
+        assert (
+            results[k].vertices.tobytes() == isoatlas.extract(torus(), 0.1 * k).vertices.tobytes()
+        )
 
 
 def test_progress_is_told_on_this_thread():
     seen = []
-    isoatlas.extract(NOISE[:16, :16, :16], 0.5, progress=lambda stage, fraction: seen.append((stage, fraction, threading.get_ident())), **FAST)
+    isoatlas.extract(
+        NOISE[:16, :16, :16],
+        0.5,
+        progress=lambda stage, fraction: seen.append((stage, fraction, threading.get_ident())),
+        **FAST,
+    )
     stages = list(dict.fromkeys(stage for stage, _, _ in seen))
     assert stages == ["surface", "components", "coarsen", "cover", "certify", "mesh", "check"]
-    assert all(0 <= fraction <= 1 and thread == threading.get_ident() for _, fraction, thread in seen)
+    assert all(
+        0 <= fraction <= 1 and thread == threading.get_ident() for _, fraction, thread in seen
+    )
     fractions = [fraction for _, fraction, _ in seen]
     assert fractions == sorted(fractions)
     assert len(seen) < 2000  # however often the library tells
@@ -103,8 +116,7 @@ def test_no_tqdm(monkeypatch):
 def interrupted(work, after, tail="", n=160):
     """Runs `work` in a Python of its own and sends SIGINT `after` seconds into it. @return seconds until KeyboardInterrupt, the rest that it printed,
     the exit status."""
-    code = textwrap.dedent(
-        f"""
+    code = textwrap.dedent(f"""
         import time
         import numpy as np
         import isoatlas
@@ -115,9 +127,10 @@ def interrupted(work, after, tail="", n=160):
             print("finished", flush=True)
         except KeyboardInterrupt:
             print(time.clock_gettime(time.CLOCK_MONOTONIC), flush=True)
-        """
-    ) + textwrap.dedent(tail)
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        """) + textwrap.dedent(tail)
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout.readline() == "ready\n"
         time.sleep(after)
         sent = time.clock_gettime(time.CLOCK_MONOTONIC)
@@ -140,8 +153,7 @@ def test_ctrl_c_within_a_second(after):
 
 def test_ctrl_c_while_files_are_written(tmp_path):
     """Nothing appears after KeyboardInterrupt, and nothing is left behind."""
-    code = textwrap.dedent(
-        """
+    code = textwrap.dedent("""
         import os, threading, signal, time
         import numpy as np
         import isoatlas
@@ -155,10 +167,9 @@ def test_ctrl_c_while_files_are_written(tmp_path):
                 os.remove("m.obj")
         except KeyboardInterrupt:
             print(time.monotonic() - started)
-        while isoatlas._core.given_up_work():
+        while isoatlas._core.abandoned_work_count():
             time.sleep(0.01)
-        """
-    )
+        """)
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode == 0, run.stderr
     assert float(run.stdout) < 1.05
@@ -166,8 +177,7 @@ def test_ctrl_c_while_files_are_written(tmp_path):
 
 
 def test_a_process_that_ends_while_files_are_written_leaves_none(tmp_path):
-    code = textwrap.dedent(
-        """
+    code = textwrap.dedent("""
         import os, threading, signal
         import numpy as np
         import isoatlas
@@ -185,9 +195,8 @@ def test_a_process_that_ends_while_files_are_written_leaves_none(tmp_path):
         try:
             mesh.save("m.obj")
         except KeyboardInterrupt:
-            print(isoatlas._core.given_up_work(), before == sorted(n for n in os.listdir(".") if not n.startswith(".isoatlas")))
-        """
-    )
+            print(isoatlas._core.abandoned_work_count(), before == sorted(n for n in os.listdir(".") if not n.startswith(".isoatlas")))
+        """)
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
     assert run.stdout == "1 True\n", run.stdout + run.stderr  # else there was nothing to clear away
     assert sorted(os.listdir(tmp_path)) == ["big.ply"]
@@ -197,7 +206,7 @@ def test_work_goes_on_after_ctrl_c():
     """The session stays usable, and memory comes back."""
     tail = """
     import resource
-    while isoatlas._core.given_up_work():
+    while isoatlas._core.abandoned_work_count():
         time.sleep(0.01)
     peaks = []
     import threading, os, signal
@@ -207,7 +216,7 @@ def test_work_goes_on_after_ctrl_c():
             isoatlas.extract(noise, 0.5)
         except KeyboardInterrupt:
             pass
-        while isoatlas._core.given_up_work():
+        while isoatlas._core.abandoned_work_count():
             time.sleep(0.01)
         with open("/proc/self/statm") as file:
             peaks.append(int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
@@ -250,7 +259,9 @@ def test_a_handler_that_returns_changes_nothing():
 
 def test_not_on_the_main_thread():
     results = []
-    thread = threading.Thread(target=lambda: results.append(isoatlas.extract(torus(), 0.0, progress=lambda *_: None)))
+    thread = threading.Thread(
+        target=lambda: results.append(isoatlas.extract(torus(), 0.0, progress=lambda *_: None))
+    )
     thread.start()
     thread.join()
     assert results[0].levels[0].report["genus"] == 1
