@@ -118,7 +118,7 @@ struct MeasuredMesh {
 class MeshMeasurer {
  public:
   MeshMeasurer(const VolumeView& volume, double isovalue) : volume_(volume) {
-    options_.isovalue = isovalue;
+    options_.surface.isovalue = isovalue;
     options_.space = Space::voxel;
     options_.samples = kSamples;
   }
