@@ -185,9 +185,8 @@ def read_ply(path):
 def read_stl(path):
     data = path.read_bytes()
     count = struct.unpack_from("<I", data, 80)[0]
-    corners = np.frombuffer(
-        data, np.dtype([("n", "<f4", 3), ("p", "<f4", (3, 3)), ("a", "<u2")]), count, 84
-    )["p"].reshape(-1, 3)
+    triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    corners = np.frombuffer(data, triangle, count, 84)["corners"].reshape(-1, 3)
     vertices, index = np.unique(corners, axis=0, return_inverse=True)
     return vertices.astype(float), index.reshape(-1, 3)
 
@@ -207,9 +206,8 @@ def read_glb(path):
         )
 
     mesh = j["meshes"][0]["primitives"][0]
-    return array(mesh["attributes"]["POSITION"], "<f4", 3).astype(float), array(
-        mesh["indices"], "<u4", 1
-    ).reshape(-1, 3)
+    positions = array(mesh["attributes"]["POSITION"], "<f4", 3).astype(float)
+    return positions, array(mesh["indices"], "<u4", 1).reshape(-1, 3)
 
 
 def read_3mf(path):
@@ -217,9 +215,9 @@ def read_3mf(path):
         root = xml.etree.ElementTree.fromstring(archive.read("3D/3dmodel.model"))
     name = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
     vertices = [[float(v.get(k)) for k in "xyz"] for v in root.iter(name + "vertex")]
-    return np.array(vertices), np.array(
-        [[int(t.get(k)) for k in ("v1", "v2", "v3")] for t in root.iter(name + "triangle")]
-    )
+    corners = ("v1", "v2", "v3")
+    faces = [[int(t.get(corner)) for corner in corners] for t in root.iter(name + "triangle")]
+    return np.array(vertices), np.array(faces)
 
 
 def read_gii(path):

@@ -116,9 +116,8 @@ def peak_numpy_bytes(work):
     tracemalloc.start()
     try:
         work()
-        return tracemalloc.get_traced_memory()[
-            1
-        ]  # the peak; numpy reports its allocations to tracemalloc
+        _, peak = tracemalloc.get_traced_memory()  # numpy reports its allocations to tracemalloc
+        return peak
     finally:
         tracemalloc.stop()
 
