@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`pip install .`: the extension isoatlas._core is built by CMake. Everything else is in pyproject.toml.
+"""Builds the extension isoatlas._core with CMake for `pip install .`.
 
-CMAKE_ARGS is added to the arguments of CMake, CMAKE_BUILD_PARALLEL_LEVEL says how many compilers run at a time.
+Everything else is in pyproject.toml. The environment variable CMAKE_ARGS is added to the arguments
+of CMake; CMAKE_BUILD_PARALLEL_LEVEL is the number of compilers that run at a time.
 """
 
 import os
@@ -19,11 +20,12 @@ ROOT = pathlib.Path(__file__).resolve().parent
 
 
 def version():
-    return re.search(r"project\(isoatlas VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+    text = (ROOT / "CMakeLists.txt").read_text()
+    return re.search(r"project\(isoatlas VERSION ([\d.]+)", text).group(1)
 
 
 def pybind11_arguments():
-    """The distribution's package is where CMake looks; a package of pip's says where it is."""
+    """The option with the folder of pip's pybind11; CMake finds the distribution's without it."""
     try:
         import pybind11
     except ImportError:
@@ -35,19 +37,22 @@ class CMakeBuild(build_ext):
     def build_extension(self, extension):
         folder = pathlib.Path(self.build_temp).resolve()
         target = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve()
-        generator = ["-G", "Ninja"] if shutil.which("ninja") and not (folder / "CMakeCache.txt").exists() else []
-        subprocess.run(
-            [
-                "cmake", "-S", ROOT, "-B", folder, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DISOATLAS_BUILD_PYTHON=ON",
-                "-DISOATLAS_BUILD_TOOL=OFF", "-DISOATLAS_BUILD_TESTS=OFF", "-DISOATLAS_WARNINGS_AS_ERRORS=OFF",
-                f"-DPython_EXECUTABLE={sys.executable}", *pybind11_arguments(), *shlex.split(os.environ.get("CMAKE_ARGS", "")),
-            ],
-            check=True,
-        )
+        is_configured = (folder / "CMakeCache.txt").exists()
+        options = ["-G", "Ninja"] if shutil.which("ninja") and not is_configured else []
+        options += ["-DCMAKE_BUILD_TYPE=Release", "-DISOATLAS_BUILD_PYTHON=ON"]
+        options += ["-DISOATLAS_BUILD_TOOL=OFF", "-DISOATLAS_BUILD_TESTS=OFF"]
+        options += ["-DISOATLAS_WARNINGS_AS_ERRORS=OFF", f"-DPython_EXECUTABLE={sys.executable}"]
+        options += pybind11_arguments() + shlex.split(os.environ.get("CMAKE_ARGS", ""))
+        subprocess.run(["cmake", "-S", ROOT, "-B", folder, *options], check=True)
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
-        subprocess.run(["cmake", "--build", folder, "--target", "isoatlas_python", "--parallel", jobs], check=True)
+        build = ["cmake", "--build", folder, "--target", "isoatlas_python", "--parallel", jobs]
+        subprocess.run(build, check=True)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(folder / "python" / "isoatlas" / target.name, target)
 
 
-setup(version=version(), ext_modules=[Extension("isoatlas._core", sources=[])], cmdclass={"build_ext": CMakeBuild})
+setup(
+    version=version(),
+    ext_modules=[Extension("isoatlas._core", sources=[])],
+    cmdclass={"build_ext": CMakeBuild},
+)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures isoatlas::extract, vtkMarchingCubes and vtkFlyingEdges3D on the same samples in one
-// process, in turns, and prints one JSON line. bench/compare.py builds this file and vtk_image.h
-// against old commits as well, so they use nothing but the public API.
+// process, in turns, and prints one JSON line. bench/compare.py also builds this file and
+// vtk_image.h against old commits, so they use only the public API.
 #include <malloc.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
@@ -39,11 +39,11 @@ namespace {
 
 constexpr const char* kUsage =
     R"(usage: bench_extract VOLUME ISOVALUE [options]
-  --refine VOXELS             add a level that is refined to this distance, in smallest spacings; may be repeated
-                              (default: the coarse mesh alone)
+  --refine VOXELS             add a level that is refined to this distance, in smallest spacings;
+                              may be repeated (default: only the coarse mesh)
   --by-default                treat the distances as defaults: refine to them, but do not prove them
-  --max-vertices N            no refined level has more vertices
-  --allow-self-intersections  leave self-intersections in the mesh
+  --max-vertices N            largest number of vertices of each refined level
+  --allow-self-intersections  keep self-intersections in the mesh
   --threads N                 threads of isoatlas; VTK always has one (default 1, 0: all)
   --repeats N                 runs of each program (default 1); none starts after 20 CPU seconds
   --no-vtk                    leave VTK's filters out
@@ -55,7 +55,7 @@ struct Arguments {
   std::filesystem::path volume;
   double isovalue = 0;
   std::vector<double> refine;  // bounds in voxels
-  bool by_default = false;     // nobody asks for them
+  bool by_default = false;     // the bounds are defaults, not requested
   std::optional<std::size_t> max_vertices;
   bool allow_self_intersections = false;
   int threads = 1;
@@ -122,7 +122,7 @@ std::string json(double value) {
 }
 std::string json(std::size_t value) { return std::to_string(value); }
 std::string json(bool value) { return value ? "true" : "false"; }
-std::string json(const std::string& value) {  // file and stage names need no more than this
+std::string json(const std::string& value) {  // sufficient for file and stage names
   std::string out = "\"";
   for (const char c : value) {
     if (c == '"' || c == '\\') out += '\\';
@@ -198,7 +198,7 @@ std::optional<std::size_t> status_bytes(std::string_view key) {
 }
 
 // Growth of the resident set from construction to its peak before growth() is called. Memory that
-// earlier runs have freed goes back to the system first, so that it is not missing from the figure.
+// earlier runs have freed is first returned to the system; reusing it would not count as growth.
 class PeakMemory {
  public:
   PeakMemory() {
@@ -217,7 +217,7 @@ class PeakMemory {
   std::optional<std::size_t> before_;
 };
 
-// Sets `expired` after a time, unless it is destroyed first.
+// Sets `expired` after a time, unless the alarm is destroyed before.
 class Alarm {
  public:
   explicit Alarm(std::optional<double> seconds) {
@@ -252,8 +252,8 @@ struct FilterRuns {
   std::string to_json() const { return runs.to_json().add("triangles", triangles).text(); }
 };
 
-// The whole job of a contour filter without normals and scalars, which isoatlas does not compute
-// either.
+// Runs a contour filter from the samples to the mesh, without normals and scalars, which isoatlas
+// does not compute either.
 template <class Filter>
 void run_filter(vtkImageData* image, double isovalue, FilterRuns& out) {
   malloc_trim(0);
@@ -269,7 +269,7 @@ void run_filter(vtkImageData* image, double isovalue, FilterRuns& out) {
   out.triangles = static_cast<std::size_t>(filter->GetOutput()->GetNumberOfPolys());
 }
 
-// This program is also built against earlier versions of the library.
+// For earlier versions of the library, in which a Volume had no member `view`.
 template <class Volume>
 auto& view_of(Volume& volume) {
   if constexpr (requires { volume.view; }) {
@@ -321,7 +321,7 @@ struct ExtractRuns {
   }
 };
 
-// Returns the time used if the run was cancelled at its time limit.
+// Returns the elapsed time if the run was cancelled at its time limit, else nothing.
 std::optional<Seconds> run_extract(const isoatlas::Volume& volume,
                                    const isoatlas::ExtractOptions& options,
                                    const Arguments& arguments, ExtractRuns& out) {
@@ -345,7 +345,8 @@ std::optional<Seconds> run_extract(const isoatlas::Volume& volume,
   return std::nullopt;
 }
 
-// Counted again on each finished level, by the public function, outside of what is timed.
+// The levels as JSON. Self-intersections are counted here again, by the public function, outside of
+// the measured time.
 std::string levels_json(const isoatlas::Extraction& result, double voxel) {
   std::string out = "[";
   for (std::size_t k = 0; k < result.report.levels.size(); ++k) {
@@ -370,8 +371,8 @@ std::string levels_json(const isoatlas::Extraction& result, double voxel) {
   return out + "]";
 }
 
-// Loads libraries, starts threads and fills caches, which would else be counted for whichever
-// program comes first.
+// Loads libraries, starts threads and fills caches. Otherwise the first measurement would include
+// these costs.
 void warm_up(const Arguments& arguments) {
   constexpr std::size_t kSize = 12;
   std::vector<float> samples(kSize * kSize * kSize);
@@ -414,7 +415,7 @@ int main(int argc, char** argv) try {
   std::optional<Seconds> cancelled_after;
   const double began = now().cpu;
   for (int k = 0; k < arguments.repeats && (k == 0 || now().cpu - began < kEnoughCpuSeconds); ++k) {
-    // First, so that the memory figure of the first run is that of an untouched heap.
+    // isoatlas runs first, so that the heap is unused when the memory of its first run is measured.
     if (!cancelled_after) cancelled_after = run_extract(volume, options, arguments, ours);
     if (arguments.with_vtk) {
       run_filter<vtkMarchingCubes>(image, arguments.isovalue, marching_cubes);

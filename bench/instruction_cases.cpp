@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Extracts one of some small generated volumes with one thread, for bench/instructions.py and
-// bench/stop_gaps.py, which count the instructions of extract_case() under valgrind.
+// Extracts the isosurface of a small generated volume with one thread. bench/instructions.py and
+// bench/stop_gaps.py count the instructions of extract_case() with valgrind.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -19,16 +19,16 @@ struct Case {
   const char* name;
   std::array<std::size_t, 3> size;
   isoatlas::Vec3 spacing;
-  std::function<double(double x, double y, double z)>
-      value;              // at a sample index; the isovalue is 0
+  // The value at a sample index; the isovalue is 0.
+  std::function<double(double x, double y, double z)> value;
   double refine_voxels;   // 0: coarse mesh only
-  bool is_proved = true;  // or it is a default bound, which is not
+  bool is_proved = true;  // false: a default bound, which is not proved
   std::size_t measure_samples = 0;
 };
 
 double square(double x) { return x * x; }
 
-// A torus and a ball above it. Polynomials, so the samples are the same on every machine.
+// A torus and a ball above it. Both are polynomials, so the samples are equal on all machines.
 double torus_and_ball(double x, double y, double z) {
   const double r2 = square(x - 14.3) + square(y - 15.1);
   const double torus =
@@ -46,8 +46,8 @@ double noise(double x, double y, double z) {
   return static_cast<double>(bits >> 11) * 0x1p-53 - 0.5;
 }
 
-// A saddle and a ball that the volume's border cuts open, with thick slices and noise.
-double cut_by_border(double x, double y, double z) {
+// A saddle and a ball that the volume boundary cuts, with thick slices and noise.
+double cut_by_boundary(double x, double y, double z) {
   const double saddle = 40 + square(x - 11.2) - square(y - 10.7) - 6 * square(z - 11.4);
   const double ball = square(6.4) - square(x - 22.1) - square(y - 2.3) - square(2.5 * (z - 20.2));
   return std::max(saddle, ball) + 60 * noise(x, y, z);
@@ -59,14 +59,14 @@ const std::vector<Case>& cases() {
       {"noise_16_coarse", {16, 16, 16}, {1, 1, 1}, noise, 0},
       {"noise_16_refined", {16, 16, 16}, {1, 1, 1}, noise, 0.5, false},
       {"noise_16_measured", {16, 16, 16}, {1, 1, 1}, noise, 0, false, 20000},
-      {"anisotropic_24_refined", {24, 24, 24}, {0.7, 0.7, 1.75}, cut_by_border, 1},
+      {"anisotropic_24_refined", {24, 24, 24}, {0.7, 0.7, 1.75}, cut_by_boundary, 1},
   };
   return list;
 }
 
 }  // namespace
 
-// The name is not mangled, so that valgrind can be told to count this function alone.
+// The name is not mangled: valgrind's options name this function.
 extern "C" __attribute__((noinline)) std::size_t extract_case(
     const isoatlas::VolumeView* volume, const isoatlas::ExtractOptions* options) {
   isoatlas::RunControl control;

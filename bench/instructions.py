@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Counts the instructions that three small extractions execute and compares them with bench/instructions.tsv.
+"""Counts the instructions of three small extractions and compares them with instructions.tsv.
 
-    bench/instructions.py build/release/bin/instruction_cases            # fails if a count is more than 10 % above
+    bench/instructions.py build/release/bin/instruction_cases            # fails if over 10 % more
     bench/instructions.py build/release/bin/instruction_cases --update   # writes the file
 
-Needs valgrind. Counts do not depend on the load of the machine; they are those of a Release build (-O3) by g++ 12 on Debian 12, one thread.
-Standard library only.
+Needs valgrind. The counts do not depend on the load of the machine. Those in the file are of a
+Release build (-O3) by g++ 12 on Debian 12 with one thread. Uses only the standard library.
 """
+
 import argparse
 import csv
 import pathlib
@@ -22,13 +23,17 @@ TOLERANCE = 0.10
 
 
 def count_instructions(valgrind, program, case):
-    """(instructions of extract_case() and all it calls, triangles)."""
+    """Returns the instructions of extract_case() with all its calls, and the triangles."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([valgrind, "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=extract_case",
-                               f"--callgrind-out-file={folder}/out", program, case], capture_output=True, text=True)
+        options = ["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=extract_case"]
+        options += [f"--callgrind-out-file={folder}/out"]
+        command = [valgrind, *options, program, case]
+        done = subprocess.run(command, capture_output=True, text=True)
     collected = re.search(r"Collected : (\d+)", done.stderr)
     if done.returncode != 0 or not collected or int(collected[1]) == 0:
-        sys.exit(f"{case}: valgrind ended with status {done.returncode} and no count:\n{done.stderr}")
+        sys.exit(
+            f"{case}: valgrind ended with status {done.returncode} without a count:\n{done.stderr}"
+        )
     return int(collected[1]), int(done.stdout.split()[0])
 
 
@@ -40,11 +45,16 @@ def read_counts():
 def write_counts(counts):
     with open(FILE, "w") as file:
         file.write("case\tinstructions\ttriangles\n")
-        file.writelines(f"{case}\t{instructions}\t{triangles}\n" for case, (instructions, triangles) in counts.items())
+        file.writelines(
+            f"{case}\t{instructions}\t{triangles}\n"
+            for case, (instructions, triangles) in counts.items()
+        )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("program", type=pathlib.Path, help="the built instruction_cases")
     parser.add_argument("--valgrind", default="valgrind", help="the valgrind program")
     parser.add_argument("--update", action="store_true", help="write bench/instructions.tsv")
@@ -60,18 +70,29 @@ def main():
     failed = False
     for case, (instructions, triangles) in counts.items():
         if case not in kept:
-            print(f"{case}: {FILE} has no count, expected one; run {command}")
+            print(f"{case}: {FILE} has no count for this case; run {command}")
             failed = True
             continue
         before = int(kept[case]["instructions"])
         change = instructions / before - 1
-        print(f"{case}: {instructions:,} instructions, {before:,} in {FILE.name} ({100 * change:+.2f} %); {triangles:,} triangles, {int(kept[case]['triangles']):,} there")
+        print(
+            f"{case}: {instructions:,} instructions, {before:,} in {FILE.name} "
+            f"({100 * change:+.2f} %); {triangles:,} triangles, "
+            f"{int(kept[case]['triangles']):,} in {FILE.name}"
+        )
         if change > TOLERANCE:
-            print(f"{case}: too many instructions: expected at most {100 * TOLERANCE:.0f} % more than in {FILE}.\n"
-                  f"  Make the change cheaper, or accept the cost: run {command}, commit the file and say why")
+            print(
+                f"{case}: too many instructions: expected at most {100 * TOLERANCE:.0f} % more "
+                f"than in {FILE}.\n"
+                f"  Make the change cheaper, or accept the cost: run {command}, commit the file "
+                "and give the reason"
+            )
             failed = True
         elif change < -TOLERANCE:
-            print(f"{case}: over {100 * TOLERANCE:.0f} % fewer instructions than in {FILE}. Update the file, so that the gain is kept: run {command}")
+            print(
+                f"{case}: over {100 * TOLERANCE:.0f} % fewer instructions than in {FILE}. "
+                f"Update the file, so that a later loss is detected: run {command}"
+            )
     return 1 if failed else 0
 
 

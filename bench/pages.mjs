@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rewrites the section "Pages" of docs/results.md: pages of four volumes at four levels each, made by the tool and opened in Chromium without a
-// graphics card. Needs the tool with pages (build/release), the volumes and Chromium:
-//   ISOATLAS_PAGE_BUILD=build/release/src/page/web node bench/pages.mjs [--data FOLDER] [--out FOLDER-FOR-PAGES-AND-SCREENSHOTS]
+// Rewrites the section "Pages" of docs/results.md: the tool writes the pages of four volumes with
+// four levels each, and Chromium opens them with software rendering. Needs the tool with pages
+// (build/release), the volumes and Chromium. --out is the folder for pages and screenshots:
+//   ISOATLAS_PAGE_BUILD=build/release/src/page/web node bench/pages.mjs [--data FOLDER]
+//     [--out FOLDER]
 import {execFileSync} from "node:child_process";
 import {mkdirSync, readFileSync, statSync, writeFileSync} from "node:fs";
 import {join, resolve} from "node:path";
@@ -33,10 +35,12 @@ mkdirSync(out, {recursive: true});
 
 const browser = await chromium.launch({
   executablePath: process.env.ISOATLAS_CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+  args: [
+    "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+  ],
 });
 
-/** Milliseconds from asking for the page to its first picture: the least, and the one in the middle. */
+/** Milliseconds from the request of a page to its first picture: the least and the median. */
 async function opened(path, screenshot) {
   const times = [];
   for (let k = 0; k < REPEATS; ++k) {
@@ -57,26 +61,32 @@ for (const [name, file, options] of VOLUMES) {
   const page = join(out, `${name}.html`);
   const report = join(out, `${name}.json`);
   try {
-    execFileSync(tool, ["extract", join(data, file), ...options, ...LEVELS, "-o", join(out, `${name}.glb`), "--report", report, "--html", page, "-q"], {stdio: "pipe"});
+    const outputs = ["-o", join(out, `${name}.glb`), "--report", report, "--html", page, "-q"];
+    execFileSync(tool, ["extract", join(data, file), ...options, ...LEVELS, ...outputs], {
+      stdio: "pipe",
+    });
   } catch (error) {
-    if (error.status !== 1) throw error; // 1: a bound that was not met
+    if (error.status !== 1) throw error; // 1: a bound is violated
   }
   const {levels} = JSON.parse(readFileSync(report));
-  const [least, middle] = await opened(page, join(out, `${name}.png`));
+  const [least, median] = await opened(page, join(out, `${name}.png`));
   const triangles = levels.map((level) => level.triangles.toLocaleString("en"));
   const all = levels.reduce((sum, level) => sum + level.triangles, 0);
   const geometry = /id="isoatlas-geometry">([^<]*)</.exec(readFileSync(page, "utf8"))[1].length;
-  rows.push(`| ${name} | ${triangles.join(", ")} | ${(statSync(page).size / 1e6).toFixed(2)} | ${(geometry / all).toFixed(1)} | ${(least / 1000).toFixed(2)} | ${(middle / 1000).toFixed(2)} |`);
+  const megabytes = (statSync(page).size / 1e6).toFixed(2);
+  const seconds = [least, median].map((milliseconds) => (milliseconds / 1000).toFixed(2));
+  const cells = [name, triangles.join(", "), megabytes, (geometry / all).toFixed(1), ...seconds];
+  rows.push(`| ${cells.join(" | ")} |`);
   console.log(rows.at(-1));
 }
 await browser.close();
 
 const section = `${TITLE}
 
-Written by \`bench/pages.mjs\`. Each page has four levels (\`extract --html\`) and was opened ${REPEATS} times in
-headless Chromium with software rendering, on a machine shared with other work. Times are seconds
-from the request to the first picture, which shows the finest level. "Bytes for a triangle" counts
-the geometry of all levels as base64.
+Written by \`bench/pages.mjs\`. Each page has four levels (\`extract --html\`) and was opened
+${REPEATS} times in headless Chromium with software rendering, on a machine shared with other work.
+Times are seconds from the request to the first picture, which shows the finest level. "Bytes for a
+triangle" counts the geometry of all levels as base64.
 
 | page | triangles | size, MB | bytes for a triangle | opened in, s: least | median |
 |---|---:|---:|---:|---:|---:|

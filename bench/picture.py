@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws a volume's marching-cubes mesh beside isoatlas' mesh, hidden-line view, into a PNG.
+"""Draws the marching-cubes mesh of a volume and isoatlas' mesh side by side, with edges, as a PNG.
 
-    xvfb-run -a /usr/bin/python3 bench/picture.py VOLUME.nhdr ISOVALUE MESH.ply OUT.png [AZIMUTH ELEVATION]    (MESH made with --space voxel)
+    xvfb-run -a /usr/bin/python3 bench/picture.py VOLUME.nhdr ISOVALUE MESH.ply OUT.png \\
+        [AZIMUTH ELEVATION]
 
-Needs Debian's python3-vtk9 and, without a display, xvfb.
+MESH must be written with --space voxel. Needs Debian's python3-vtk9 and, without a display, xvfb.
 """
+
 import gzip
 import pathlib
 import sys
@@ -32,15 +34,28 @@ def actor(port, colour):
 
 
 def read_nrrd(path):
-    """Raw or gzipped NRRD with one scalar a sample, in index space (VTK 9.1's own reader knows neither gzip nor detached headers well)."""
+    """Read a raw or gzipped NRRD with one scalar per sample, in sample-index coordinates.
+
+    The reader of VTK 9.1 does not handle gzip and detached headers well.
+    """
     path = pathlib.Path(path)
     head, _, body = path.read_bytes().partition(b"\n\n")
-    fields = dict(line.split(": ", 1) for line in head.decode().splitlines() if ": " in line and not line.startswith("#"))
+    fields = dict(
+        line.split(": ", 1)
+        for line in head.decode().splitlines()
+        if ": " in line and not line.startswith("#")
+    )
     if "data file" in fields:
         body = (path.parent / fields["data file"]).read_bytes()
     if fields["encoding"] in ("gzip", "gz"):
         body = gzip.decompress(body)
-    types = {"uint8": numpy.uint8, "unsigned char": numpy.uint8, "int16": numpy.int16, "short": numpy.int16, "float": numpy.float32}
+    types = {
+        "uint8": numpy.uint8,
+        "unsigned char": numpy.uint8,
+        "int16": numpy.int16,
+        "short": numpy.int16,
+        "float": numpy.float32,
+    }
     samples = numpy.frombuffer(body, types[fields["type"]])
     image = vtk.vtkImageData()
     image.SetDimensions(*map(int, fields["sizes"].split()))
@@ -63,7 +78,9 @@ def main():
     window.SetSize(1400, 700)
     window.SetMultiSamples(8)
     camera = None
-    for column, (source, name, colour) in enumerate(((contour, "marching cubes", (0.80, 0.82, 0.85)), (ply, "isoatlas", (0.93, 0.80, 0.60)))):
+    for column, (source, name, colour) in enumerate(
+        ((contour, "marching cubes", (0.80, 0.82, 0.85)), (ply, "isoatlas", (0.93, 0.80, 0.60)))
+    ):
         renderer = vtk.vtkRenderer()
         renderer.SetViewport(column / 2, 0, (column + 1) / 2, 1)
         renderer.SetBackground(1, 1, 1)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Reading times of two builds of the Python module, in turn in one run, as ratios.
+"""Compares the reading times of two builds of the Python module.
 
-    /usr/bin/python3 bench/reading.py BUILD_BEFORE BUILD_AFTER VOLUME...      (a build: its folder, with python/isoatlas in it)
+    /usr/bin/python3 bench/reading.py BUILD_BEFORE BUILD_AFTER VOLUME...
 
-Each volume is read 9 times by each build, in processes of their own that take turns; CPU seconds of the process while it reads,
-the median of each, and after / before.
+A build is its folder, which contains python/isoatlas. Each build reads each volume 9 times, in
+separate processes that take turns. Prints the medians of the CPU time of reading, and their ratio.
 """
 
 import json
@@ -28,7 +28,13 @@ print(json.dumps(times))
 
 
 def times(build, volume):
-    run = subprocess.run([sys.executable, "-c", READ, volume], env={"PYTHONPATH": f"{build}/python"}, capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", READ, volume],
+        env={"PYTHONPATH": f"{build}/python"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     return json.loads(run.stdout)
 
 
@@ -43,7 +49,10 @@ def main():
                 found[build] += times(build, volume)
         a, b = statistics.median(found[before]), statistics.median(found[after])
         ratios.append(b / a)
-        print(f"| {volume.rsplit('/', 1)[-1]} | {1e3 * a:.1f} | {1e3 * b:.1f} | {b / a:.2f} |", flush=True)
+        print(
+            f"| {volume.rsplit('/', 1)[-1]} | {1e3 * a:.1f} | {1e3 * b:.1f} | {b / a:.2f} |",
+            flush=True,
+        )
     print(f"\ngeometric mean {statistics.geometric_mean(ratios):.2f}, largest {max(ratios):.2f}")
 
 

@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Counts the instructions between two looks at whether to stop, and fails where there are too many.
+"""Counts the instructions between two checks of the cancellation flag, and fails if too many.
 
     bench/stop_gaps.py build/release/bin/instruction_cases
 
-A computation that was cancelled ends at the next call of RunControl::check_cancelled(). callgrind writes down at each of them what was
-executed since the last one, so the longest time without a look is counted, not timed, in all stages of an extraction by one thread.
+A cancelled computation ends at its next call of RunControl::check_cancelled(). callgrind writes the
+instructions since the previous call at each of these calls. So the longest interval without a check
+is counted, not timed, in all stages of an extraction with one thread.
 
-White noise of 16^3 stands for white noise of 96^3, which would take an hour: what grows with the volume between two looks is 6^3 times as
-long there (a sort 1.6 times that), and what does not, some fixed number of steps, is no longer. So 1.5e9 instructions, half a second to a second,
-are 7e6 here.
+White noise of 16^3 represents white noise of 96^3, which would take an hour. Work between two
+checks that grows with the volume is 6^3 times as long there (a sort 1.6 times that); work that does
+not grow is not longer. So the limit of 1.5e9 instructions, half a second to a second, becomes 7e6.
 
-Needs valgrind. Standard library only.
+Needs valgrind. Uses only the standard library.
 """
+
 import argparse
 import collections
 import pathlib
@@ -23,22 +25,26 @@ import tempfile
 
 CASES = ("noise_16_refined", "noise_16_measured", "smooth_32_refined")
 LIMIT = 1.5e9 / (96 / 16) ** 3
-SHOWN = 5  # of the gaps that are too long, and of the functions that most of them are spent in
+SHOWN = 5  # number of printed intervals that are too long, and of functions for each of them
 
 
 def write_gaps(valgrind, program, case, file):
-    """Runs a case. @return the instructions of all of extract_case()"""
-    done = subprocess.run([valgrind, "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=extract_case",
-                           "--dump-before=isoatlas::RunControl::*", "--combine-dumps=yes", f"--callgrind-out-file={file}", program, case],
-                          capture_output=True, text=True)
+    """Run a case. Returns the instructions of extract_case() with all its calls."""
+    options = ["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=extract_case"]
+    options += ["--dump-before=isoatlas::RunControl::*", "--combine-dumps=yes"]
+    options += [f"--callgrind-out-file={file}"]
+    command = [valgrind, *options, program, case]
+    done = subprocess.run(command, capture_output=True, text=True)
     collected = re.search(r"Collected : (\d+)", done.stderr)
     if done.returncode != 0 or not collected or int(collected[1]) == 0:
-        sys.exit(f"{case}: valgrind ended with status {done.returncode} and no count:\n{done.stderr}")
+        sys.exit(
+            f"{case}: valgrind ended with status {done.returncode} without a count:\n{done.stderr}"
+        )
     return int(collected[1])
 
 
 def read_gaps(file):
-    """Yields, per gap, the instructions of each function by itself."""
+    """Yield, per interval, the instructions of each function without those of its calls."""
     names, function, is_call, gap = {}, None, False, None
     for line in file:
         if line.startswith("events:"):
@@ -51,7 +57,8 @@ def read_gaps(file):
             if line.startswith("fn="):
                 function = names[match[1]]
         elif line.startswith("calls="):
-            is_call = True  # the next line has what was called, which is counted where it was executed
+            # The next line counts the called function, whose own lines count it already.
+            is_call = True
         elif line[0] in "+-*0123456789":
             if not is_call:
                 gap[function] += int(line.split()[1])
@@ -59,7 +66,7 @@ def read_gaps(file):
     yield gap
 
 
-def is_good(valgrind, program, case):
+def is_within_limit(valgrind, program, case):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         instructions = write_gaps(valgrind, program, case, out)
@@ -67,23 +74,33 @@ def is_good(valgrind, program, case):
             gaps = [(gap.total(), gap) for gap in read_gaps(file)]
     counted = sum(total for total, _ in gaps)
     if counted != instructions:
-        sys.exit(f"{case}: {counted:,} instructions in {len(gaps):,} gaps, expected {instructions:,}: callgrind's file was misread")
+        sys.exit(
+            f"{case}: {counted:,} instructions in {len(gaps):,} intervals, "
+            f"expected {instructions:,}: the file of callgrind was misread"
+        )
     gaps.sort(key=lambda gap: -gap[0])
-    print(f"{case}: {len(gaps):,} gaps; the longest has {gaps[0][0]:,} instructions, expected at most {LIMIT:,.0f}")
+    print(
+        f"{case}: {len(gaps):,} intervals; the longest has {gaps[0][0]:,} instructions, "
+        f"expected at most {LIMIT:,.0f}"
+    )
     for total, gap in gaps[:SHOWN]:
         if total > LIMIT:
-            print(f"  {total:,} instructions without a look at whether to stop, among them")
+            print(f"  {total:,} instructions without a check of cancellation, among them")
             for name, count in gap.most_common(SHOWN):
                 print(f"    {count:12,} {name[:150]}")
     return gaps[0][0] <= LIMIT
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("program", type=pathlib.Path, help="the built instruction_cases")
     parser.add_argument("--valgrind", default="valgrind", help="the valgrind program")
     arguments = parser.parse_args()
-    return 0 if all([is_good(arguments.valgrind, arguments.program.resolve(), case) for case in CASES]) else 1
+    program = arguments.program.resolve()
+    passed = [is_within_limit(arguments.valgrind, program, case) for case in CASES]
+    return 0 if all(passed) else 1
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ inline int vtk_type(isoatlas::SampleType type) {
   return VTK_VOID;
 }
 
-/// The same samples for VTK, without a copy, in coordinates of index times spacing.
+/// The volume as a VTK image that uses the same samples, in coordinates of index times spacing.
 inline vtkSmartPointer<vtkImageData> vtk_image(const isoatlas::VolumeView& volume) {
   const auto& grid = volume.grid;
   auto image = vtkSmartPointer<vtkImageData>::New();

@@ -1,4 +1,4 @@
-# Warnings and floating-point flags, in one place, attached to targets.
+# isoatlas_flags(TARGET) sets the flags for warnings, floating-point arithmetic and sanitizers.
 option(ISOATLAS_WARNINGS_AS_ERRORS "treat warnings as errors" ${ISOATLAS_IS_TOP_LEVEL})
 set(ISOATLAS_SANITIZE "" CACHE STRING "sanitizers to build with, e.g. address,undefined or thread")
 
@@ -6,9 +6,9 @@ option(ISOATLAS_UNITY_BUILD
   "compile a module's source files together: half the time for all, but a change costs its module" OFF)
 
 function(isoatlas_flags target)
-  # No contraction and no fast-math: the same source gives the same bytes with any optimisation level.
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off
-    $<$<BOOL:${ISOATLAS_WARNINGS_AS_ERRORS}>:-Werror>)
+  # No contraction and no fast-math: results have the same bytes at each optimisation level.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+    -Wno-sign-conversion -ffp-contract=off $<$<BOOL:${ISOATLAS_WARNINGS_AS_ERRORS}>:-Werror>)
   # GCC 12 warns of std::string's own concatenation (its bug 105651).
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${target} PRIVATE -Wno-restrict)

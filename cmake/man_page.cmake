@@ -1,5 +1,7 @@
-# cmake -D TOOL=isoatlas -D COMMAND=extract -D VERSION=0.1.0 -D OUT=isoatlas-extract.1 -P man_page.cmake
-# The help page of a command (none: of the tool) as a manual page. Its lines are broken already, so they stay as they are.
+# Writes the help page of a command, or of the tool if COMMAND is empty, as a manual page. Keeps the
+# line breaks.
+#   cmake -D TOOL=isoatlas -D COMMAND=extract -D VERSION=0.1.0 -D OUT=isoatlas-extract.1
+#     -P man_page.cmake
 execute_process(COMMAND ${TOOL} help ${COMMAND} OUTPUT_VARIABLE page COMMAND_ERROR_IS_FATAL ANY)
 set(name isoatlas)
 if(COMMAND)
@@ -9,8 +11,9 @@ endif()
 string(REPLACE "\\" "\\e" page "${page}")
 string(REPLACE "-" "\\-" page "${page}")
 string(REGEX REPLACE "\n    ([.'])" "\n    \\\\&\\1" page "\n${page}")
-# NAME is one line that `whatis` reads: "isoatlas\-extract \- ...".
-string(REGEX REPLACE "\nNAME\n    isoatlas ([a-z]+) " "\nNAME\n    isoatlas\\\\-\\1 " page "${page}")
+# `whatis` reads the line below NAME: "isoatlas\-extract \- ...".
+string(REGEX REPLACE "\nNAME\n    isoatlas ([a-z]+) " "\nNAME\n    isoatlas\\\\-\\1 "
+  page "${page}")
 string(REGEX REPLACE "\nNAME\n    ([^\n]*)\n" "\n.SH NAME\n\\1\n" page "${page}")
 string(REGEX REPLACE "\n+([A-Z][A-Z ]+)\n" "\n.fi\n.SH \\1\n.nf\n" page "${page}")
 string(REGEX REPLACE "\n    " "\n" page "${page}")

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Builds the documentation site into build/docs/html and checks its links. Needs no network; warnings are errors.
+# Builds the documentation site into build/docs/html and checks its links. Warnings are errors.
+# Needs no network.
 #   scripts/build_docs.sh [--out DIR] [--module DIR] [--without-python]
-#     --out DIR          where everything goes (default: build/docs)
-#     --module DIR       folder that has the built Python module isoatlas (default: build/release/python)
-#     --without-python   leave the reference of the Python module out
+#     --out DIR          output folder (default: build/docs)
+#     --module DIR       folder of the built Python module (default: build/release/python)
+#     --without-python   leave out the reference of the Python module
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,8 +21,10 @@ while [ $# -gt 0 ]; do
 done
 python=${PYTHON:-/usr/bin/python3}
 
-if ! command -v doxygen > /dev/null || ! "$python" -c 'import sphinx, myst_parser, breathe, furo, sphinx_copybutton, sphinx_inline_tabs' 2> /dev/null; then
-  echo "$0: doxygen, Sphinx or one of its extensions is not installed: scripts/install_dependencies.sh docs" >&2
+modules='sphinx, myst_parser, breathe, furo, sphinx_copybutton, sphinx_inline_tabs'
+if ! command -v doxygen > /dev/null || ! "$python" -c "import $modules" 2> /dev/null; then
+  echo "$0: doxygen, Sphinx or one of its extensions is not installed:" \
+    "scripts/install_dependencies.sh docs" >&2
   exit 77
 fi
 
@@ -29,10 +32,12 @@ options=()
 if [ "$with_python" = no ]; then
   options+=(-t without_python)
 elif ! message=$(PYTHONPATH="$module" "$python" -c 'import isoatlas' 2>&1); then
-  echo "$0: $python cannot import the Python module isoatlas from '$module': $(tail -n 1 <<< "$message")" >&2
-  echo "  build it:          cmake --preset release -DISOATLAS_BUILD_PYTHON=ON && cmake --build --preset release" >&2
-  echo "  it is elsewhere:   $0 --module DIR" >&2
-  echo "  leave it out:      $0 --without-python" >&2
+  echo "$0: $python cannot import the Python module isoatlas from '$module':" \
+    "$(tail -n 1 <<< "$message")" >&2
+  echo "  to build it:           cmake --preset release -DISOATLAS_BUILD_PYTHON=ON &&" \
+    "cmake --build --preset release" >&2
+  echo "  if it is elsewhere:    $0 --module DIR" >&2
+  echo "  to leave it out:       $0 --without-python" >&2
   exit 1
 fi
 
@@ -41,6 +46,7 @@ out=$(cd "$out" && pwd)
 { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = \"$out/doxygen\""; } | doxygen -
 "$python" scripts/check_links.py
 PYTHONPATH="$module" PYTHONDONTWRITEBYTECODE=1 ISOATLAS_DOXYGEN_XML="$out/doxygen/xml" \
-  "$python" -m sphinx -q -E -a -W --keep-going -n -b html -d "$out/doctrees" ${options[@]+"${options[@]}"} docs "$out/html"
+  "$python" -m sphinx -q -E -a -W --keep-going -n -b html -d "$out/doctrees" \
+  ${options[@]+"${options[@]}"} docs "$out/html"
 "$python" scripts/check_links.py --html "$out/html"
 echo "site: $out/html/index.html"

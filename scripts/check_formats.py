@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every row of docs/reference/formats.md names a test that there is.
+"""Checks that each row of docs/reference/formats.md names an existing test.
 
     scripts/check_formats.py [PROJECT]
 
-Prints one line for each row that names no test or an unknown one; the exit status is then 1.
+Prints one line for each row without a test or with an unknown test, and then exits with status 1.
 """
+
 import pathlib
 import re
 import sys
@@ -14,10 +15,12 @@ root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__)
 
 
 def all_tests():
-    """Names of tests, and suites whose tests have parameters."""
+    """The names of all tests, and the suites with parametrized tests."""
     names, suites = set(), set()
     for file in (root / "tests").rglob("*.cpp"):
-        for kind, suite, name in re.findall(r"\b(TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", file.read_text()):
+        for kind, suite, name in re.findall(
+            r"\b(TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", file.read_text()
+        ):
             names.add(f"{suite}.{name}")
             if kind == "TEST_P":
                 suites.add(suite)
@@ -38,5 +41,5 @@ def problems(text, names, suites):
 
 
 found = list(problems((root / "docs/reference/formats.md").read_text(), *all_tests()))
-print("\n".join(found) if found else "every row names its test")
+print("\n".join(found) if found else "each row names an existing test")
 sys.exit(1 if found else 0)

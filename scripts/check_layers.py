@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every #include between modules is allowed by the module's DEPENDS line, and that the drawing has no cycle.
+"""Checks that the DEPENDS line of each module allows its #includes, and that there is no cycle.
 
-Modules are the folders of src/. Public headers (isoatlas/...) belong to the module named below and may be included by that
-module, by modules above it, and by applications, tests and benchmarks.
+Modules are the folders of src/. Each public header (isoatlas/...) belongs to a module, see PUBLIC.
+That module, the modules that depend on it, applications, tests and benchmarks may include it.
 """
+
 import pathlib
 import re
 import sys
@@ -12,16 +13,51 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SRC = ROOT / "src"
 
-# Which module each public header speaks for.
-PUBLIC = {"error.h": "core", "run_control.h": "core", "version.h": "core", "volume.h": "core", "mesh.h": "core", "certificate.h": "core",
-          "hierarchy.h": "core", "measure.h": "core", "refine.h": "core", "length_unit.h": "core", "field.h": "core", "normals.h": "core", "export.h": "core", "volume_source.h": "core",
-          "self_intersections.h": "geometry", "options.h": "levels", "report.h": "levels", "extract.h": "api", "isoatlas.h": "api",
-          "text_file.h": "files", "volume_file.h": "volume_files", "mesh_file.h": "mesh_files"}
-# Libraries that only one module may see.
-PRIVATE_LIBRARIES = {r"tbb/": {"core"}, r"itk": set(), r"(dcmtk|charls|openjpeg|nifti|tiff|png|openssl/)": {"volume_files"}, r"pugixml": {"volume_files", "mesh_files"}, r"(tiny_gltf|zip\.h)": {"mesh_files"}, r"vtk[A-Z]": {"mesh_files", "page", "picture"}, r"(expat|lzma|lz4)\.h": {"files"}, r"X11/": {"picture"}, r"meshoptimizer": {"page"}, r"nlohmann/": {"mesh_files", "report", "page"}, r"CGAL/": {"geometry"}, r"boost/": {"core"}, r"CLI/": set()}
+# The module to which each public header belongs.
+PUBLIC = {
+    "error.h": "core",
+    "run_control.h": "core",
+    "version.h": "core",
+    "volume.h": "core",
+    "mesh.h": "core",
+    "certificate.h": "core",
+    "hierarchy.h": "core",
+    "measure.h": "core",
+    "refine.h": "core",
+    "length_unit.h": "core",
+    "field.h": "core",
+    "normals.h": "core",
+    "export.h": "core",
+    "volume_source.h": "core",
+    "self_intersections.h": "geometry",
+    "options.h": "levels",
+    "report.h": "levels",
+    "extract.h": "api",
+    "isoatlas.h": "api",
+    "text_file.h": "files",
+    "volume_file.h": "volume_files",
+    "mesh_file.h": "mesh_files",
+}
+# Headers of libraries, and the modules that may include them.
+PRIVATE_LIBRARIES = {
+    r"tbb/": {"core"},
+    r"itk": set(),
+    r"(dcmtk|charls|openjpeg|nifti|tiff|png|openssl/)": {"volume_files"},
+    r"pugixml": {"volume_files", "mesh_files"},
+    r"(tiny_gltf|zip\.h)": {"mesh_files"},
+    r"vtk[A-Z]": {"mesh_files", "page", "picture"},
+    r"(expat|lzma|lz4)\.h": {"files"},
+    r"X11/": {"picture"},
+    r"meshoptimizer": {"page"},
+    r"nlohmann/": {"mesh_files", "report", "page"},
+    r"CGAL/": {"geometry"},
+    r"boost/": {"core"},
+    r"CLI/": set(),
+}
 
 
 def depends():
+    """The modules named by the DEPENDS line of each module."""
     out = {}
     for path in sorted(SRC.glob("*/CMakeLists.txt")):
         text = path.read_text()
@@ -34,6 +70,7 @@ def depends():
 
 
 def closure(module, graph, seen=()):
+    """The module with all modules that it depends on, directly or indirectly."""
     if module in seen:
         raise SystemExit(f"cycle between modules: {' -> '.join([*seen, module])}")
     out = {module}
@@ -47,7 +84,8 @@ def main():
     problems = []
     for module, others in graph.items():
         for other in sorted(others - graph.keys()):
-            problems.append(f"src/{module}/CMakeLists.txt: DEPENDS names {other}, which is no module")
+            where = f"src/{module}/CMakeLists.txt"
+            problems.append(f"{where}: DEPENDS names the unknown module {other}")
     reach = {module: closure(module, graph) for module in graph}
     checked = 0
     for module in graph:
@@ -65,15 +103,25 @@ def main():
                 if top == "isoatlas":
                     owner = PUBLIC.get(rest)
                     if owner is None:
-                        problems.append(f"{where}: public header {include} belongs to no module (see PUBLIC)")
+                        problems.append(
+                            f"{where}: the public header {include} has no module, "
+                            "add it to PUBLIC of scripts/check_layers.py"
+                        )
                     elif owner not in reach[module]:
-                        problems.append(f"{where}: {module} may not include {include} of module {owner}")
+                        problems.append(
+                            f"{where}: {module} may not include {include} of module {owner}"
+                        )
                 elif rest and (SRC / top).is_dir():
                     if top not in reach[module]:
-                        problems.append(f"{where}: {module} may not include {include}; DEPENDS of {module}: {' '.join(sorted(graph[module])) or 'nothing'}")
+                        names = " ".join(sorted(graph[module])) or "nothing"
+                        problems.append(
+                            f"{where}: {module} may not include {include}; "
+                            f"DEPENDS of {module}: {names}"
+                        )
                 for pattern, allowed in PRIVATE_LIBRARIES.items():
                     if re.match(pattern, include) and module not in allowed:
-                        problems.append(f"{where}: {include} may only be seen by {', '.join(sorted(allowed)) or 'apps'}")
+                        names = ", ".join(sorted(allowed)) or "apps"
+                        problems.append(f"{where}: only {names} may include {include}")
     for problem in problems:
         print(problem)
     print(f"{checked} includes in {len(graph)} modules, {len(problems)} problems")

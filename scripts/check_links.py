@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that links inside the documentation lead somewhere: files and anchors. Links to other sites are not followed.
+"""Checks that the files and anchors of all links inside the documentation exist.
 
-  scripts/check_links.py             the Markdown files, as a code host shows them
-  scripts/check_links.py --html DIR  the built site
+Links to other sites are not checked.
+
+scripts/check_links.py             the Markdown files, as a code host shows them
+scripts/check_links.py --html DIR  the built site
 """
+
 import argparse
 import html.parser
 import pathlib
@@ -18,18 +21,25 @@ EXTERNAL = re.compile(r"[a-z][a-z0-9+.-]*:|//", re.I)
 
 
 def markdown_files():
-    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "samples").glob("*.md"), *(ROOT / "examples").rglob("*.md")])
+    return sorted(
+        [
+            *ROOT.glob("*.md"),
+            *(ROOT / "docs").rglob("*.md"),
+            *(ROOT / "samples").glob("*.md"),
+            *(ROOT / "examples").rglob("*.md"),
+        ]
+    )
 
 
 def prose(path):
-    """Its text without blocks of code and without code in lines, with as many lines."""
+    """The text of a page without code blocks and inline code; line numbers are kept."""
     text = FENCE.sub(lambda block: "\n" * block[0].count("\n"), path.read_text())
     text = re.sub(r"^(?: {4}|\t).*$", "", text, flags=re.M)
     return re.sub(r"(`+)(?!`).+?(?<!`)\1(?!`)", "``", text)
 
 
 def anchors(path):
-    """Of the headings, as code hosts make them: lower case, no punctuation, blanks become hyphens."""
+    """The anchors of the headings on code hosts: lower case, no punctuation, hyphens for blanks."""
     found, count = set(), {}
     text = FENCE.sub("", path.read_text())
     for heading in re.findall(r"^#{1,6} +(.*?) *#*$", text, re.M):
@@ -49,19 +59,23 @@ def check_markdown():
             link = match[1]
             if EXTERNAL.match(link):
                 continue
-            place = f"{path.relative_to(ROOT)}:{text.count(chr(10), 0, match.start()) + 1}"
+            where = f"{path.relative_to(ROOT)}:{text.count(chr(10), 0, match.start()) + 1}"
             target, _, anchor = link.partition("#")
             file = (path.parent / urllib.parse.unquote(target)).resolve() if target else path
             if not file.exists():
-                problems.append(f"{place}: {link}: no such file")
+                problems.append(f"{where}: {link}: no such file")
             elif ROOT not in file.parents and file != ROOT:
-                problems.append(f"{place}: {link}: outside the repository")
+                problems.append(f"{where}: {link}: outside the repository")
             elif anchor and file.suffix == ".md" and anchor not in anchors(file):
-                problems.append(f"{place}: {link}: {file.relative_to(ROOT)} has no heading #{anchor}")
+                problems.append(
+                    f"{where}: {link}: {file.relative_to(ROOT)} has no heading #{anchor}"
+                )
     return problems
 
 
 class Page(html.parser.HTMLParser):
+    """The ids and links of an HTML page."""
+
     def __init__(self, path):
         super().__init__()
         self.ids, self.links = set(), []
@@ -96,7 +110,9 @@ def check_html(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--html", type=pathlib.Path, help="the folder of the built site")
     arguments = parser.parse_args()
     problems = check_html(arguments.html) if arguments.html else check_markdown()

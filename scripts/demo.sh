@@ -1,19 +1,25 @@
 #!/usr/bin/env bash
-# From a fresh Debian 12 machine to a certified mesh and a page that shows it: installs what is missing, builds Release, meshes the sample
-# volume.
+# Makes a certified mesh of the sample volume and an HTML page that shows it, on a new Debian 12
+# machine: installs missing packages, builds the release preset and runs the tool.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 mkdir -p build/demo
 
 scripts/install_dependencies.sh build
 echo "building (some minutes the first time; log: build/demo/build.log)"
-if ! { cmake --preset release -DISOATLAS_BUILD_TESTS=OFF -DISOATLAS_BUILD_PAGE=ON -DISOATLAS_UNITY_BUILD=ON && cmake --build --preset release; } > build/demo/build.log 2>&1; then
+if ! {
+  cmake --preset release -DISOATLAS_BUILD_TESTS=OFF -DISOATLAS_BUILD_PAGE=ON \
+    -DISOATLAS_UNITY_BUILD=ON &&
+    cmake --build --preset release
+} > build/demo/build.log 2>&1; then
   tail -n 40 build/demo/build.log >&2
   exit 1
 fi
 
-build/release/bin/isoatlas extract samples/protein_iron.nhdr --iso 100 --refine max-distance:2vx --refine max-distance:1vx --refine max-distance:0.5vx --supersample 2 \
-  -o build/demo/protein_iron.glb --report build/demo/protein_iron.json --html build/demo/protein_iron.html
+build/release/bin/isoatlas extract samples/protein_iron.nhdr --iso 100 --supersample 2 \
+  --refine max-distance:2vx --refine max-distance:1vx --refine max-distance:0.5vx \
+  -o build/demo/protein_iron.glb --report build/demo/protein_iron.json \
+  --html build/demo/protein_iron.html
 
 echo
 echo "mesh:   $PWD/build/demo/protein_iron.glb"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formats all C++ sources in place; with --check only says what would change (exit 1).
+# Formats all C++ sources in place. With --check, lists what would change and exits with status 1.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 mapfile -t files < <(git ls-files --cached --others --exclude-standard -- '*.cpp' '*.h' '*.inl')

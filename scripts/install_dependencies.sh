@@ -1,17 +1,31 @@
 #!/usr/bin/env bash
-# Installs what the build, the tests, the benchmarks and the fuzzers need on Debian 12, and nothing where it is all there already.
-#   scripts/install_dependencies.sh [build|package|python|docs|test|bench|fuzz]     (default: build; package: build and a .deb of it; python: build and the
-#                                                                      Python module; docs: the site alone;
-#                                                                      test includes these, bench includes all; fuzz: the core library only, and clang)
+# Installs the missing Debian 12 packages for one purpose (default: build).
+#   scripts/install_dependencies.sh [build|package|python|docs|test|bench|fuzz]
+#     build     the library, the tool and the HTML page
+#     package   build, and the Debian package
+#     python    build, and the Python module
+#     docs      only the documentation site
+#     test      all of the above, and the tests
+#     bench     test, and the benchmarks
+#     fuzz      only the core library with clang, and the fuzzers
 set -euo pipefail
 
-build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev libtiff-dev libpng-dev libdcmtk-dev libcharls-dev libopenjp2-7-dev libnifti-dev libpugixml-dev libexpat1-dev liblz4-dev liblzma-dev libzip-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
-command -v node > /dev/null || build+=(nodejs)  # for the page; any from 18 on will do, wherever it is from
+build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev libtiff-dev libpng-dev
+  libdcmtk-dev libcharls-dev libopenjp2-7-dev libnifti-dev libpugixml-dev libexpat1-dev liblz4-dev
+  liblzma-dev libzip-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev nlohmann-json3-dev
+  libtinygltf-dev libmeshoptimizer-dev)
+# The HTML page needs Node.js 18 or later, from any source.
+command -v node > /dev/null || build+=(nodejs)
 command -v npm > /dev/null || build+=(npm)
 package=("${build[@]}" dpkg-dev file)
-python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools python3-venv python3-wheel)
-docs=(doxygen python3-sphinx python3-myst-parser furo python3-breathe python3-sphinx-copybutton python3-sphinx-inline-tabs)
-test=("${python[@]}" "${package[@]}" "${docs[@]}" debootstrap fish pkg-config zsh lib3mf-dev libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage python3-tifffile python3-tqdm python3-vtk9 mypy valgrind)
+python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools
+  python3-venv python3-wheel)
+docs=(doxygen python3-sphinx python3-myst-parser furo python3-breathe python3-sphinx-copybutton
+  python3-sphinx-inline-tabs)
+test=("${python[@]}" "${package[@]}" "${docs[@]}" debootstrap fish pkg-config zsh lib3mf-dev
+  libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium
+  python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage python3-tifffile
+  python3-tqdm python3-vtk9 mypy valgrind)
 bench=("${test[@]}" python3-matplotlib)
 fuzz=(clang libclang-rt-dev unzip cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
@@ -28,7 +42,8 @@ esac
 
 missing=()
 for package in "${wanted[@]}"; do
-  [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  state=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [ "$state" = installed ] || missing+=("$package")
 done
 [ ${#missing[@]} -eq 0 ] && exit 0
 
@@ -36,4 +51,5 @@ as_root=()
 if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
 echo "installing: ${missing[*]}"
 "${as_root[@]}" apt-get update -qq
-DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null
+DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends \
+  "${missing[@]}" > /dev/null

@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
-# Keeps what fuzzing reached: the smallest set of files of build/corpus/FORMAT that reaches all code
-# that any of them reaches, as tests/fuzz/corpus_files/FORMAT.zip, which the tests read.
+# Minimizes the fuzzing corpus of each format for the tests: writes to
+# tests/fuzz/corpus_files/FORMAT.zip a small set of the files of build/corpus/FORMAT that covers the
+# same code as all of them.
 #   scripts/keep_fuzz_corpus.sh [FORMAT...]     (default: all of build/corpus)
-# The fuzzers have to be built (scripts/fuzz_files.sh).
+# scripts/fuzz_files.sh must have built the fuzzers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 formats=("$@")
-[ ${#formats[@]} -gt 0 ] || mapfile -t formats < <(find build/corpus -mindepth 1 -maxdepth 1 -type d -printf '%f\n' | sort)
+if [ ${#formats[@]} -eq 0 ]; then
+  mapfile -t formats < <(find build/corpus -mindepth 1 -maxdepth 1 -type d -printf '%f\n' | sort)
+fi
 export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1
 kept=tests/fuzz/corpus_files
 mkdir -p "$kept"
@@ -20,10 +23,12 @@ for format in "${formats[@]}"; do
   python3 - "$folder/$format/new" "$kept/$format.zip" << 'PYTHON'
 import hashlib, pathlib, sys, zipfile
 
-files = {hashlib.sha256(data).hexdigest()[:12]: data for data in (p.read_bytes() for p in pathlib.Path(sys.argv[1]).iterdir())}
+contents = [path.read_bytes() for path in pathlib.Path(sys.argv[1]).iterdir()]
+files = {hashlib.sha256(content).hexdigest()[:12]: content for content in contents}
 with zipfile.ZipFile(sys.argv[2], "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-    for name in sorted(files):  # the same files give the same archive
-        archive.writestr(zipfile.ZipInfo(name, (2000, 1, 1, 0, 0, 0)), files[name], zipfile.ZIP_DEFLATED)
+    for name in sorted(files):  # sorted and without times: the same files give the same archive
+        entry = zipfile.ZipInfo(name, (2000, 1, 1, 0, 0, 0))
+        archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED)
 print(f"{sys.argv[2]}: {len(files)} files, {pathlib.Path(sys.argv[2]).stat().st_size} bytes")
 PYTHON
 done

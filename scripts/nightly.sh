@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Property and adversarial tests with new random seeds until the time is up (default: one hour). Each seed is logged before it runs in
-# build/nightly/seeds.log; a failure ends the script and prints the command that repeats it.
+# Runs the property tests with new random seeds until the time is up (default: one hour). Each seed
+# is written to build/nightly/seeds.log before its run. A failure ends the script, which prints the
+# command that repeats the failed run.
 #   scripts/nightly.sh [SECONDS]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,9 +16,11 @@ while [ "$(date +%s)" -lt "$end" ]; do
   for test in property levels_property; do
     parameters="max_success=30 max_size=100 seed=$seed"
     echo "$(date -u +%FT%TZ) $test $seed" >> "$log"
-    if ! RC_PARAMS="$parameters" "build/release/bin/test_$test" --gtest_brief=1 > "build/nightly/$test.log" 2>&1; then
+    if ! RC_PARAMS="$parameters" "build/release/bin/test_$test" --gtest_brief=1 \
+      > "build/nightly/$test.log" 2>&1; then
       tail -n 40 "build/nightly/$test.log"
-      echo "failed; again with: RC_PARAMS='$parameters' build/release/bin/test_$test" | tee -a "$log"
+      echo "failed; repeat with: RC_PARAMS='$parameters' build/release/bin/test_$test" |
+        tee -a "$log"
       exit 1
     fi
   done

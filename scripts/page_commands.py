@@ -1,20 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands and the snippets of pages of the documentation, and compares what they print with what the pages say.
+"""Runs the commands and snippets on pages of the documentation and compares their output.
 
-  scripts/page_commands.py PAGE...            says where a page is out of date
-  scripts/page_commands.py --update PAGE...   writes what is printed now into the pages
+  scripts/page_commands.py PAGE...            lists the differences between page and output
+  scripts/page_commands.py --update PAGE...   writes the current output into the pages
 
-The tool has to be on PATH, the Python module on PYTHONPATH. A page is run from top to bottom in an empty folder that has `samples`:
+PATH must contain the tool, and PYTHONPATH the Python module. The blocks of a page run from top to
+bottom in a folder that contains only `samples`:
 
-  ```console   lines with `$ ` are commands (a backslash at the end continues one), the lines below are what they print, errors included
-  ```sh        a script; its exit status has to be 0
-  ```python    a snippet; names are kept for the next ones. ```python NAME is left out where the package NAME is missing
-  ```text      directly below a script or a snippet: what that prints
+  ```console   lines that start with `$ ` are commands (a backslash at the end continues one); the
+               lines below are the output, errors included
+  ```sh        a script; its exit status must be 0
+  ```python    a snippet; it can use the names of earlier snippets. ```python NAME is skipped if the
+               package NAME is not installed
+  ```text      the output of the script or snippet directly above
 
-Blocks inside of tabs are run like others; `<!-- not run: WHY -->` above a block leaves it out. Durations, sizes of files, digests and
-versions of libraries are not compared; other numbers may differ by 5 %, whole numbers below 100 not at all.
+Blocks inside tabs run like others; `<!-- not run: WHY -->` above a block skips it. Durations, file
+sizes, digests and library versions are not compared. Whole numbers below 100 must be equal; other
+numbers may differ by 5 %.
 """
+
 import argparse
 import contextlib
 import importlib.util
@@ -28,18 +33,24 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BLOCK = re.compile(r"^(?P<skip><!-- not run: [^\n]* -->\n+)?```(?P<language>console|sh|python|text)(?: (?P<needs>\S+))?\n(?P<code>.*?)^```$", re.M | re.S)
-UNSTABLE = re.compile(r"\b[\d,.]+ (?:ms|s|min|KiB|MiB|bytes)\b|\b[0-9a-f]{64}\b|(?<=libtiff )[\d.]+|(?<=zlib )[\d.]+")
+BLOCK = re.compile(
+    r"^(?P<skip><!-- not run: [^\n]* -->\n+)?"
+    r"```(?P<language>console|sh|python|text)(?: (?P<needs>\S+))?\n(?P<code>.*?)^```$",
+    re.M | re.S,
+)
+UNSTABLE = re.compile(
+    r"\b[\d,.]+ (?:ms|s|min|KiB|MiB|bytes)\b|\b[0-9a-f]{64}\b|(?<=libtiff )[\d.]+|(?<=zlib )[\d.]+"
+)
 NUMBER = re.compile(r"-?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
-class OutOfDate(Exception):
-    """The text says where, what the page has and what is printed."""
+class PageError(Exception):
+    """A block of a page cannot be run. The text states where, and the output."""
 
 
-def same(said, printed):
-    """Is a text of the page what is printed, up to what changes from run to run?"""
-    texts = [UNSTABLE.sub("(changes)", text).rstrip() for text in (said, printed)]
+def same(expected, printed):
+    """Whether two outputs are equal, except for what changes from run to run."""
+    texts = [UNSTABLE.sub("(changes)", text).rstrip() for text in (expected, printed)]
     if NUMBER.sub("#", texts[0]) != NUMBER.sub("#", texts[1]):
         return False
     for words in zip(*(NUMBER.findall(text) for text in texts)):
@@ -50,16 +61,23 @@ def same(said, printed):
 
 
 def shell(code, folder, status=0):
-    """(exit status, what it prints): standard error and standard output, in the order of the writing."""
+    """Run a script with `status` as the previous exit status.
+
+    Returns the exit status and the output: standard error and standard output, interleaved.
+    """
     done = subprocess.run(
-        ["bash", "-c", f"(exit {status})\n{code}"], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        ["bash", "-c", f"(exit {status})\n{code}"],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
         env={**os.environ, "LC_ALL": "C.UTF-8", "PYTHONUNBUFFERED": "1"},
-    )  # fmt: skip
+    )
     return done.returncode, done.stdout
 
 
 def commands(code):
-    """(command as it stands, what the page says that it prints) of each command of a console block."""
+    """(lines of the command, expected output) for each command of a console block."""
     found, is_continued = [], False
     for line in code.splitlines(keepends=True):
         if line.startswith("$ ") or is_continued:
@@ -69,14 +87,19 @@ def commands(code):
                 found.append([line, ""])
             is_continued = line.endswith("\\\n")
         elif not found:
-            raise OutOfDate(f"a console block starts without a command: {line}")
+            raise PageError(f"a console block must start with a command, got: {line}")
         else:
             found[-1][1] += line
     return found
 
 
+def is_installed(package):
+    """Whether the Python package is installed."""
+    return importlib.util.find_spec({"vtk": "vtkmodules"}.get(package, package)) is not None
+
+
 class Page:
-    """One page. run() gives its text with what is printed now."""
+    """A page of the documentation. run() returns its text with the current output."""
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
@@ -85,12 +108,15 @@ class Page:
         self.ran = 0
         self.skipped = []
 
-    def line(self, position):
+    def line_number(self, position):
         return self.text.count("\n", 0, position) + 1
 
-    def note(self, position, what, said, printed):
-        if not same(said, printed):
-            self.problems.append(f"{self.path}:{self.line(position)}: {what.strip()}\n--- the page says\n{said}--- it prints\n{printed}")
+    def compare(self, position, what, expected, printed):
+        if not same(expected, printed):
+            self.problems.append(
+                f"{self.path}:{self.line_number(position)}: {what.strip()}\n"
+                f"--- on the page\n{expected}--- printed\n{printed}"
+            )
 
     def run(self, folder):
         names, new, done, printed, status = {"__name__": "page"}, [], 0, None, 0
@@ -101,12 +127,12 @@ class Page:
             is_below = printed is not None and not new[-1].strip()
             if language == "text":
                 if is_below:
-                    self.note(block.start(), "the block above", code, printed)
+                    self.compare(block.start(), "the block above", code, printed)
                     code = code if same(code, printed) else printed
                 printed = None
             elif block["skip"]:
                 printed = None
-            elif block["needs"] and importlib.util.find_spec({"vtk": "vtkmodules"}.get(block["needs"], block["needs"])) is None:
+            elif block["needs"] and not is_installed(block["needs"]):
                 self.skipped.append(block["needs"])
                 printed = None
             else:
@@ -117,7 +143,8 @@ class Page:
                 elif language == "sh":
                     status, printed = shell("set -euo pipefail\n" + code, folder)
                     if status:
-                        raise OutOfDate(f"{self.path}:{self.line(block.start())}: exit status {status}\n{code}{printed}")
+                        where = f"{self.path}:{self.line_number(block.start())}"
+                        raise PageError(f"{where}: exit status {status}\n{code}{printed}")
                 else:
                     printed = self.run_python(block, folder, names)
             start = block.start("code") - block.start()
@@ -126,24 +153,26 @@ class Page:
 
     def run_console(self, block, folder, status):
         code = ""
-        for command, said in commands(block["code"]):
+        for command, expected in commands(block["code"]):
             status, printed = shell(command[2:].rstrip("\n"), folder, status)
             if printed and not printed.endswith("\n"):
                 printed += "\n"
             printed = re.sub(r"[ \t]+$", "", printed, flags=re.M)
-            self.note(block.start(), command, said, printed)
-            code += command + (said if same(said, printed) else printed)
+            self.compare(block.start(), command, expected, printed)
+            code += command + (expected if same(expected, printed) else printed)
         return code, status
 
     def run_python(self, block, folder, names):
-        where = f"{self.path}:{self.line(block.start())}"
+        where = f"{self.path}:{self.line_number(block.start())}"
+        # Empty lines first: line numbers in errors are those of the page.
+        source = "\n" * self.line_number(block.start("code") - 1) + block["code"]
         out, before = io.StringIO(), os.getcwd()
         os.chdir(folder)
         try:
             with contextlib.redirect_stdout(out):
-                exec(compile("\n" * self.line(block.start("code") - 1) + block["code"], str(self.path), "exec"), names)
+                exec(compile(source, str(self.path), "exec"), names)
         except Exception as error:
-            raise OutOfDate(f"{where}: {type(error).__name__}: {error}\n{block['code']}") from error
+            raise PageError(f"{where}: {type(error).__name__}: {error}\n{block['code']}") from error
         finally:
             os.chdir(before)
         return out.getvalue()
@@ -158,12 +187,19 @@ def folder_with_samples():
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("pages", nargs="+", type=pathlib.Path, metavar="PAGE")
-    parser.add_argument("--update", action="store_true", help="write what is printed into the pages")
+    parser.add_argument(
+        "--update", action="store_true", help="write the current output into the pages"
+    )
     arguments = parser.parse_args()
     if shutil.which("isoatlas") is None or importlib.util.find_spec("isoatlas") is None:
-        parser.error("the tool isoatlas has to be on PATH, the Python module on PYTHONPATH: docs/get-started.md says how")
+        parser.error(
+            "PATH must contain the tool isoatlas and PYTHONPATH the Python module, "
+            "see docs/get-started.md"
+        )
     has_problems = False
     for path in arguments.pages:
         page = Page(path)
@@ -175,7 +211,11 @@ def main():
         elif not arguments.update:
             print(*page.problems, sep="\n", end="\n" if page.problems else "")
             has_problems = has_problems or bool(page.problems)
-        print(f"{path}: {page.ran} blocks ran" + (f", left out without {', '.join(page.skipped)}" if page.skipped else ""), flush=True)
+        print(
+            f"{path}: {page.ran} blocks ran"
+            + (f", skipped without {', '.join(page.skipped)}" if page.skipped else ""),
+            flush=True,
+        )
     return 1 if has_problems else 0
 
 

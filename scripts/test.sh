@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds Release with tests, runs them. Arguments go to ctest; none: everything but label "slow".
-#   scripts/test.sh --all     the slow ones too
+# Installs missing packages, builds the release preset with tests and runs the tests. Arguments are
+# passed to ctest.
+#   scripts/test.sh           all tests without the label "slow"
+#   scripts/test.sh --all     all tests
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

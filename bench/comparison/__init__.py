@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of bench/compare.py: volumes, builds, measurements, sections, the page and its plots."""
+"""The modules of bench/compare.py: volumes, builds, measurements, sections, page and plots."""

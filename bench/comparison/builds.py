@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds bench_extract from a commit or from the working tree, always with the working tree's bench_extract.cpp and the same flags."""
+"""Builds bench_extract from a commit or from the working tree.
+
+All builds use the same flags, and bench_extract.cpp of the working tree.
+"""
+
 import pathlib
 import platform
 import shutil
@@ -8,10 +12,27 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILDS = ROOT / "build" / "compare"
-FLAGS = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DISOATLAS_BUILD_BENCH=ON", "-DISOATLAS_BUILD_TESTS=OFF", "-DISOATLAS_BUILD_PAGE=OFF",
-         "-DISOATLAS_BUILD_TOOL=OFF"]
-OVERLAID = ("bench/bench_extract.cpp", "bench/vtk_image.h")  # the working tree's, in all builds
-SOURCES = ("CMakeLists.txt", "cmake", "include", "src", "bench/CMakeLists.txt", "bench/peers", *OVERLAID)  # what a build depends on
+FLAGS = [
+    "-G",
+    "Ninja",
+    "-DCMAKE_BUILD_TYPE=Release",
+    "-DISOATLAS_BUILD_BENCH=ON",
+    "-DISOATLAS_BUILD_TESTS=OFF",
+    "-DISOATLAS_BUILD_PAGE=OFF",
+    "-DISOATLAS_BUILD_TOOL=OFF",
+]
+# Files of the working tree that replace those of the commit.
+OVERLAID = ("bench/bench_extract.cpp", "bench/vtk_image.h")
+# Everything that a build depends on.
+SOURCES = (
+    "CMakeLists.txt",
+    "cmake",
+    "include",
+    "src",
+    "bench/CMakeLists.txt",
+    "bench/peers",
+    *OVERLAID,
+)
 
 
 def run(*command):
@@ -26,10 +47,11 @@ def git(*arguments):
 
 
 class Build:
-    """One of the two that are compared: its programs, and what the page says of it."""
+    """One of the two compared builds: its programs, and its name and subject on the page."""
 
     def __init__(self, letter, binary, name, subject, peers=None):
-        self.letter, self.binary, self.name, self.subject, self.peers = letter, binary, name, subject, peers
+        self.letter, self.binary, self.peers = letter, binary, peers
+        self.name, self.subject = name, subject
 
     def source(self):
         return {"name": self.name, "subject": self.subject}
@@ -65,7 +87,9 @@ def from_working_tree(letter, jobs, with_peers):
     flags = [f"-DISOATLAS_BUILD_PEERS={'ON' if with_peers else 'OFF'}"]
     targets = ["bench_extract"] + (["peers"] if with_peers else [])
     binaries = compile_target(ROOT, BUILDS / "working-tree", targets, jobs, flags)
-    return Build(letter, binaries / "bench_extract", name, subject, binaries if with_peers else None)
+    return Build(
+        letter, binaries / "bench_extract", name, subject, binaries if with_peers else None
+    )
 
 
 def from_binary(letter, path, name):
@@ -73,15 +97,30 @@ def from_binary(letter, path, name):
 
 
 def machine():
-    """What the page says of the machine."""
+    """The description of the machine on the page."""
+
     def first(path, start, default):
         try:
             with open(path) as file:
-                return next((line[len(start):].strip(" \t:=\n\"") for line in file if line.startswith(start)), default)
+                return next(
+                    (
+                        line[len(start) :].strip(' \t:=\n"')
+                        for line in file
+                        if line.startswith(start)
+                    ),
+                    default,
+                )
         except OSError:
             return default
+
     kilobytes = int(first("/proc/meminfo", "MemTotal", "0 kB").split()[0])
-    compiler = subprocess.run(["c++", "-dumpfullversion"], capture_output=True, text=True).stdout.strip()
+    compiler = subprocess.run(
+        ["c++", "-dumpfullversion"], capture_output=True, text=True
+    ).stdout.strip()
     processors = len([line for line in open("/proc/cpuinfo") if line.startswith("processor")])
-    return (f"{first('/proc/cpuinfo', 'model name', platform.processor())}, {processors} processors, {kilobytes / 2**20:.0f} GiB, "
-            f"{first('/etc/os-release', 'PRETTY_NAME', platform.system())}, g++ {compiler}")
+    processor = first("/proc/cpuinfo", "model name", platform.processor())
+    system = first("/etc/os-release", "PRETTY_NAME", platform.system())
+    return (
+        f"{processor}, {processors} processors, {kilobytes / 2**20:.0f} GiB, "
+        f"{system}, g++ {compiler}"
+    )

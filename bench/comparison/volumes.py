@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The isosurfaces that bench/compare.py measures, by name. Generated volumes are made when they are first used, and kept."""
+"""The isosurfaces that bench/compare.py measures, by name.
+
+Volumes that are not files of the development data are generated at their first use and kept.
+"""
+
 import csv
 import fnmatch
 import subprocess
@@ -13,7 +17,7 @@ NOISE_SIZES = (32, 48, 64, 96, 128, 160)
 
 
 class Surface:
-    """One isosurface: name "file@isovalue", isovalue as text, and the path of its volume."""
+    """An isosurface: its name "volume@isovalue", the isovalue as text, and the volume's path."""
 
     def __init__(self, stem, isovalue, path, make=None):
         self.name = f"{stem}@{isovalue}"
@@ -21,7 +25,7 @@ class Surface:
         self._path, self._make = path, make
 
     def path(self):
-        """The volume's file. Generates the file if there is none yet."""
+        """The path of the volume. Generates the file if it does not exist."""
         if self._make and not self._path.exists():
             self._path.parent.mkdir(parents=True, exist_ok=True)
             print(f"making {self._path.name}", flush=True)
@@ -32,20 +36,30 @@ class Surface:
 
 
 def write_noise(path, size):
-    """White noise in [0, 1): the same bytes for the same numpy."""
+    """Write white noise in [0, 1). The same numpy gives the same bytes."""
     samples = numpy.random.default_rng(size).random((size, size, size)).astype("<f4")
-    header = f"NRRD0004\ntype: float\ndimension: 3\nsizes: {size} {size} {size}\nspacings: 1 1 1\nencoding: raw\nendian: little\n\n"
+    header = (
+        f"NRRD0004\ntype: float\ndimension: 3\nsizes: {size} {size} {size}\nspacings: 1 1 1\n"
+        "encoding: raw\nendian: little\n\n"
+    )
     path.write_bytes(header.encode() + samples.tobytes())
 
 
 def clinical_ct(shared, cache, factor):
     def make(path):
-        subprocess.run([sys.executable, shared / "tools" / "make_bigct.py", path, str(factor)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [sys.executable, shared / "tools" / "make_bigct.py", path, str(factor)],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
+
     return Surface(f"clinical_ct_{factor}", CT_ISOVALUE, cache / f"clinical_ct_{factor}.nrrd", make)
 
 
 def noise(cache, size):
-    return Surface(f"noise_{size}", "0.5", cache / f"noise_{size}.nrrd", lambda path: write_noise(path, size))
+    return Surface(
+        f"noise_{size}", "0.5", cache / f"noise_{size}.nrrd", lambda path: write_noise(path, size)
+    )
 
 
 def stem(file_name):
@@ -53,20 +67,33 @@ def stem(file_name):
 
 
 class Catalogue:
-    """All isosurfaces, and the lists that sections measure unless --only names others."""
+    """All isosurfaces, and the lists that sections measure by default."""
 
     def __init__(self, shared, cache):
         with open(shared / "data" / "TOPOLOGY.tsv") as table:
-            real = [Surface(stem(row["file"]), row["isovalue"], shared / "data" / row["file"]) for row in csv.DictReader(table, delimiter="\t")]
+            real = [
+                Surface(stem(row["file"]), row["isovalue"], shared / "data" / row["file"])
+                for row in csv.DictReader(table, delimiter="\t")
+            ]
         cts = [clinical_ct(shared, cache, factor) for factor in CT_FACTORS]
         noises = [noise(cache, size) for size in NOISE_SIZES]
         self.by_name = {s.name: s for s in [*real, *cts, *noises]}
         self.growth = [s.name for s in [*cts, *noises]]
-        self.standard = [s.name for s in real] + [f"clinical_ct_2@{CT_ISOVALUE}", "noise_64@0.5", "noise_128@0.5"]
+        self.standard = [s.name for s in real] + [
+            f"clinical_ct_2@{CT_ISOVALUE}",
+            "noise_64@0.5",
+            "noise_128@0.5",
+        ]
 
     def select(self, names, patterns, candidates=None):
-        """`names`; with patterns those of `candidates` (default: all) that match one: the start of a name, or a shell pattern."""
+        """The names to measure: `names`, or with patterns the matching `candidates` (default: all).
+
+        A pattern is the start of a name or a shell pattern.
+        """
         if not patterns:
             return names
-        return [name for name in (candidates or self.by_name)
-                if any(name.startswith(p) or fnmatch.fnmatchcase(name, p) for p in patterns)]
+        return [
+            name
+            for name in (candidates or self.by_name)
+            if any(name.startswith(p) or fnmatch.fnmatchcase(name, p) for p in patterns)
+        ]

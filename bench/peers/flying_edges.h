@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The isosurface at full resolution, which decimation starts from, and its conversion.
+// The isosurface at full resolution, the input of decimation, and its conversion.
 #pragma once
 
 #include <vtkCell.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// CGAL Mesh_3: the boundary of the solid in which the trilinear interpolant is above the isovalue,
-// without features. Mesh_3 is GPL, so this program is only for measuring and is never linked into
-// isoatlas (README.md).
+// CGAL Mesh_3 meshes the boundary of the solid in which the trilinear interpolant is above the
+// isovalue, without features. Mesh_3 is GPL: this program is only for measurements and is never
+// linked into isoatlas (README.md).
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
 #include <CGAL/make_mesh_3.h>
@@ -27,14 +27,14 @@ using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
-constexpr double kFacetAngle = 30;       // degrees; the largest for which Mesh_3 is sure to end
-constexpr double kFacetSizeVoxels = 20;  // with a larger size it misses thin parts
-constexpr double kRelativeError =
-    1e-6;  // of points on the surface, relative to the extent of the volume
+constexpr double kFacetAngle = 30;       // degrees; Mesh_3 always ends up to this angle
+constexpr double kFacetSizeVoxels = 20;  // with a larger size, Mesh_3 misses thin parts
+// Error of points on the surface, relative to the extent of the volume.
+constexpr double kRelativeError = 1e-6;
 
-// The trilinear interpolant minus the isovalue, or its negative: negative inside. Inside is the
-// side to which fewer samples of the volume's border belong. Positive outside of the volume, which
-// closes the surface at the border if it reaches that.
+// The trilinear interpolant minus the isovalue, with a sign that makes it negative inside. The
+// inside is the side with fewer samples on the volume boundary. The function is positive outside
+// the volume, which closes the surface where it reaches the volume boundary.
 template <class Sample>
 class Interpolant {
  public:
@@ -43,15 +43,15 @@ class Interpolant {
         samples_(static_cast<const Sample*>(volume.samples)),
         isovalue_(isovalue) {
     const auto [nx, ny, nz] = grid_.size;
-    std::size_t border = 0, above = 0;
+    std::size_t on_boundary = 0, above = 0;
     for (std::size_t z = 0; z < nz; ++z)
       for (std::size_t y = 0; y < ny; ++y)
         for (std::size_t x = 0; x < nx; ++x) {
           if (x != 0 && x + 1 != nx && y != 0 && y + 1 != ny && z != 0 && z + 1 != nz) continue;
-          ++border;
+          ++on_boundary;
           if (static_cast<double>(samples_[x + nx * (y + ny * z)]) >= isovalue) ++above;
         }
-    sign_ = 2 * above > border ? 1 : -1;
+    sign_ = 2 * above > on_boundary ? 1 : -1;
   }
 
   double operator()(const Kernel::Point_3& p) const {
@@ -125,7 +125,8 @@ isoatlas::TriangleMesh surface_of(const Complex& complex) {
         mesh.positions.push_back({vertex->point().x(), vertex->point().y(), vertex->point().z()});
       triangle[static_cast<std::size_t>(k)] = entry->second;
     }
-    mesh.triangles.push_back(triangle);  // not oriented: distances and shapes do not need it
+    // The triangles are not oriented: distances and shapes do not depend on the orientation.
+    mesh.triangles.push_back(triangle);
   }
   return mesh;
 }
@@ -134,7 +135,7 @@ isoatlas::TriangleMesh mesh_3(const isoatlas::VolumeView& volume, double isovalu
                               double facet_distance) {
   const double voxel = volume.grid.smallest_spacing();
   namespace parameters = CGAL::parameters;
-  CGAL::get_default_random() = CGAL::Random(0);  // the same mesh in every run
+  CGAL::get_default_random() = CGAL::Random(0);  // makes all runs equal
   const auto& grid = volume.grid;
   const auto end = [](std::size_t size, double spacing) {
     return static_cast<double>(size) * spacing;

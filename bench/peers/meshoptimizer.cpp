@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vtkFlyingEdges3D, then meshopt_simplify to a number of triangles.
+// Decimates the mesh of vtkFlyingEdges3D to a number of triangles with meshopt_simplify.
 #include <meshoptimizer.h>
 
 #include <algorithm>
@@ -11,8 +11,9 @@
 
 namespace {
 
-constexpr float kAnyError =
-    1e3F;  // relative to the extent of the mesh: the number of triangles decides
+// An error bound that is never reached, relative to the extent of the mesh: the number of triangles
+// ends the decimation.
+constexpr float kAnyError = 1e3F;
 
 isoatlas::TriangleMesh simplify(isoatlas::TriangleMesh mesh, double triangles) {
   std::vector<std::array<float, 3>> positions;

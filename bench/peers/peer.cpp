@@ -24,12 +24,14 @@ namespace {
 constexpr const char* kUsage =
     R"(VOLUME ISOVALUE [options]
   --refine VOXELS    bound on the distance that isoatlas refines to (default 0.5)
-  --distance VOXELS  search the peer's mesh for this measured distance, in place of that of isoatlas
-  --repeats N        runs of both programs at the parameter that was found; times are their medians (default 3)
+  --distance VOXELS  measured distance that the peer must reach (default: that of isoatlas)
+  --repeats N        runs of both programs with the parameter that was found; times are medians
+                     (default 3)
 )";
 constexpr std::size_t kSamples = 200'000;
-constexpr double kCloseEnough =
-    1.02;  // the parameters of the best mesh and of the next coarser one differ by less
+// The search ends when the parameters of the best mesh and of the next coarser one have a smaller
+// ratio.
+constexpr double kSearchTolerance = 1.02;
 
 struct Arguments {
   std::filesystem::path volume;
@@ -76,7 +78,7 @@ double median(std::vector<double> values) {
   return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
-// Decimation leaves vertices behind, which measure() would take as samples.
+// Removes the vertices without triangles that decimation leaves: measure() would sample them.
 TriangleMesh without_unused_vertices(const TriangleMesh& mesh) {
   constexpr std::uint32_t kNone = 0xFFFFFFFFu;
   std::vector<std::uint32_t> index(mesh.positions.size(), kNone);
@@ -94,32 +96,34 @@ TriangleMesh without_unused_vertices(const TriangleMesh& mesh) {
   return out;
 }
 
-// A mesh in coordinates of index times spacing, and what is known of it.
-struct Judged {
-  double parameter = 0, distance = 0;  // distance: both ways, in voxels
+// The parameter of a mesh and its measurements.
+struct MeasuredMesh {
+  double parameter = 0, distance = 0;  // distance: two-sided, in voxels
   std::size_t triangles = 0, components = 0, non_manifold_edges = 0;
   double share_below_third = 0;
 
   std::string to_json(double cpu) const {
     char text[300];
-    std::snprintf(
-        text, sizeof text,
-        R"({"parameter": %.6g, "triangles": %zu, "distance_voxels": %.6g, "share_below_third": %.6g, "cpu_s": %.6g, )"
-        R"("components": %zu, "non_manifold_edges": %zu})",
-        parameter, triangles, distance, share_below_third, cpu, components, non_manifold_edges);
+    std::snprintf(text, sizeof text,
+                  R"({"parameter": %.6g, "triangles": %zu, "distance_voxels": %.6g, )"
+                  R"("share_below_third": %.6g, "cpu_s": %.6g, )"
+                  R"("components": %zu, "non_manifold_edges": %zu})",
+                  parameter, triangles, distance, share_below_third, cpu, components,
+                  non_manifold_edges);
     return text;
   }
 };
 
-class Judge {
+// Measures meshes in coordinates of index times spacing against an isosurface.
+class MeshMeasurer {
  public:
-  Judge(const VolumeView& volume, double isovalue) : volume_(volume) {
-    options_.isovalue = isovalue;
+  MeshMeasurer(const VolumeView& volume, double isovalue) : volume_(volume) {
+    options_.surface.isovalue = isovalue;
     options_.space = Space::voxel;
     options_.samples = kSamples;
   }
 
-  Judged operator()(const TriangleMesh& raw, double parameter) const {
+  MeasuredMesh operator()(const TriangleMesh& raw, double parameter) const {
     TriangleMesh mesh = without_unused_vertices(raw);
     const MeshQuality quality = mesh_quality(mesh);
     const MeshTopology topology = mesh_topology(mesh);
@@ -153,12 +157,13 @@ TriangleMesh extract_ours(const VolumeView& volume, const Arguments& arguments) 
   return mesh;
 }
 
-// The coarsest mesh found that is within `distance`, or the finest one if that is not; and whether
-// it is within `distance`. Doubles or halves the parameter until it has one mesh on either side,
-// then bisects on a logarithmic scale.
-std::pair<Judged, bool> search(const Peer& peer, const Judge& judge, double distance) {
+// Searches for the coarsest mesh within `distance`. Returns it and true, or the finest mesh and
+// false if even that is not within `distance`. Doubles or halves the parameter until one mesh is
+// within the distance and one is not, then bisects on a logarithmic scale.
+std::pair<MeasuredMesh, bool> search(const Peer& peer, const MeshMeasurer& measured,
+                                     double distance) {
   const auto at = [&](double parameter) {
-    const Judged out = judge(peer.mesh(parameter), parameter);
+    const MeasuredMesh out = measured(peer.mesh(parameter), parameter);
     std::fprintf(stderr, "%s: %s %.5g: %zu triangles, distance %.4f voxels\n", peer.name.c_str(),
                  peer.parameter.c_str(), parameter, out.triangles, out.distance);
     return out;
@@ -166,11 +171,11 @@ std::pair<Judged, bool> search(const Peer& peer, const Judge& judge, double dist
   const double finer = peer.finest > peer.coarsest ? 2 : 0.5;
   const auto [low, high] = std::minmax(peer.coarsest, peer.finest);
   double coarse = std::clamp(peer.start, low, high), fine = coarse;
-  Judged best = at(fine);
+  MeasuredMesh best = at(fine);
   if (best.distance <= distance) {
     while (coarse == fine && fine != peer.coarsest) {
       coarse = std::clamp(fine / finer, low, high);
-      const Judged found = at(coarse);
+      const MeasuredMesh found = at(coarse);
       if (found.distance > distance) break;
       best = found;
       fine = coarse;
@@ -183,9 +188,9 @@ std::pair<Judged, bool> search(const Peer& peer, const Judge& judge, double dist
       best = at(fine);
     }
   }
-  while (std::max(coarse / fine, fine / coarse) > kCloseEnough) {
+  while (std::max(coarse / fine, fine / coarse) > kSearchTolerance) {
     const double middle = std::sqrt(coarse * fine);
-    const Judged found = at(middle);
+    const MeasuredMesh found = at(middle);
     if (found.distance <= distance) {
       best = found;
       fine = middle;
@@ -206,11 +211,11 @@ int run_peer(int argc, char** argv, const MakePeer& make_peer) try {
   }
   setenv("VTK_SMP_MAX_THREADS", "1", 1);
   const Volume volume = read_volume(arguments.volume);
-  const Judge judge(volume, arguments.isovalue);
-  const Judged ours = judge(extract_ours(volume, arguments), arguments.refine);
+  const MeshMeasurer measured(volume, arguments.isovalue);
+  const MeasuredMesh ours = measured(extract_ours(volume, arguments), arguments.refine);
   const double distance = arguments.distance > 0 ? arguments.distance : ours.distance;
   const Peer peer = make_peer(volume, arguments.isovalue, {distance, ours.triangles});
-  const auto [theirs, reached] = search(peer, judge, distance);
+  const auto [theirs, reached] = search(peer, measured, distance);
 
   std::vector<double> our_seconds, their_seconds;
   for (int k = 0; k < std::max(1, arguments.repeats); ++k) {
@@ -221,12 +226,12 @@ int run_peer(int argc, char** argv, const MakePeer& make_peer) try {
     peer.mesh(theirs.parameter);
     their_seconds.push_back(cpu_seconds() - start);
   }
-  std::printf(
-      R"({"name": "%s", "parameter": "%s", "wanted_distance_voxels": %.6g, "reached": %s, "repeats": %zu, "isoatlas": %s, "peer": %s})"
-      "\n",
-      peer.name.c_str(), peer.parameter.c_str(), distance, reached ? "true" : "false",
-      our_seconds.size(), ours.to_json(median(our_seconds)).c_str(),
-      theirs.to_json(median(their_seconds)).c_str());
+  std::printf(R"({"name": "%s", "parameter": "%s", "wanted_distance_voxels": %.6g, "reached": %s, )"
+              R"("repeats": %zu, "isoatlas": %s, "peer": %s})"
+              "\n",
+              peer.name.c_str(), peer.parameter.c_str(), distance, reached ? "true" : "false",
+              our_seconds.size(), ours.to_json(median(our_seconds)).c_str(),
+              theirs.to_json(median(their_seconds)).c_str());
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s: %s\n", std::filesystem::path(argv[0]).filename().c_str(), error.what());

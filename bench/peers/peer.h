@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the programs of this folder have in common: each runs isoatlas and one peer on a volume, and
-// searches the coarsest mesh of the peer that is as close to the isosurface as that of isoatlas.
+// Shared code of the peer programs. Each runs isoatlas and one peer on a volume, and searches for
+// the coarsest mesh of the peer that is as close to the isosurface as the mesh of isoatlas.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +12,20 @@
 
 namespace isoatlas::detail::bench {
 
-/// What a peer has to match.
+/// The target of the search.
 struct Goal {
-  double distance_voxels = 0;  ///< measured, both ways
-  std::size_t triangles = 0;   ///< of isoatlas' mesh
+  double distance_voxels = 0;  ///< the measured two-sided distance to reach
+  std::size_t triangles = 0;   ///< triangles of the mesh of isoatlas
 };
 
 /// Another program that meshes an isosurface, with one parameter for the size of its triangles.
 struct Peer {
   std::string name;
   std::string parameter;  ///< the name of the parameter, with its unit
-  double coarsest = 0,
-         finest = 0;  ///< the range that may be searched; either may be the larger one
-  double start = 0;   ///< where the search starts
-  /// The whole way from the samples to a mesh, in coordinates of index times spacing.
+  /// The range of the search; either may be the larger number.
+  double coarsest = 0, finest = 0;
+  double start = 0;  ///< the first parameter of the search
+  /// Makes a mesh from the samples, in coordinates of index times spacing.
   std::function<TriangleMesh(double parameter)> mesh;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vtkFlyingEdges3D, then vtkQuadricDecimation to a number of triangles.
+// Decimates the mesh of vtkFlyingEdges3D to a number of triangles with vtkQuadricDecimation.
 #include <vtkQuadricDecimation.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes an array of numbers and an implicit function.
+// Meshes the samples in an array, and an implicit function.
 #include <isoatlas/isoatlas.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 int main() {
   using namespace isoatlas;
   const int n = 48;
-  std::vector<float> samples;  // of a ball, x fastest
+  std::vector<float> samples;  // a ball; x runs fastest
   for (int i = 0; i < n * n * n; ++i)
     samples.push_back(
         static_cast<float>(16 - std::hypot(i % n - 23.5, i / n % n - 23.5, i / (n * n) - 23.5)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An error metric of your own: the normals of a cell may differ from the normal at its vertex by at
-// most 20 degrees.
+// A custom error metric: in each Voronoi cell, the surface normals differ from the normal at the
+// cell's vertex by at most 20 degrees.
 #include <isoatlas/isoatlas.h>
 
 #include <algorithm>

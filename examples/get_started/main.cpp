@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C++ of docs/get-started.md, which shows the parts between the marks. Run it in the folder
-// that has samples/.
+// The C++ code of docs/get-started.md; the page shows the code between the marks. Run it in the
+// folder that contains samples/.
 #include <isoatlas/extract.h>
 #include <isoatlas/io.h>
 #include <isoatlas/self_intersections.h>

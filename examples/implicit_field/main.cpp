@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An implicit function with its gradient: mesh, and exact normals for shading.
+// Meshes an implicit function and computes exact normals for shading from its gradient.
 #include <isoatlas/isoatlas.h>
 
 #include <cmath>

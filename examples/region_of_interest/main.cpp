@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A box of an image whose rows are padded: strides and a region of interest, without a copy of the
-// image.
+// Meshes a region of interest of an image with padded rows. The image is not copied.
 #include <isoatlas/isoatlas.h>
 
 #include <cmath>
@@ -9,7 +8,7 @@
 
 int main() {
   using namespace isoatlas;
-  const int nx = 50, ny = 40, nz = 30, pitch = 64;  // bytes from row to row
+  const int nx = 50, ny = 40, nz = 30, pitch = 64;  // pitch: bytes per row
   std::vector<std::uint8_t> image(static_cast<std::size_t>(pitch * ny * nz));
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sizing field: short edges where a simulation needs them, long ones elsewhere.
+// A custom sizing field: short edges where a simulation needs them, long edges elsewhere.
 #include <isoatlas/isoatlas.h>
 
 #include <cmath>
@@ -9,9 +9,8 @@ int main() {
   using namespace isoatlas;
   const auto ball = [](Vec3 p) { return 1 - std::hypot(p.x, p.y, p.z); };
   const Volume volume = sample(ball, {-1.2, -1.2, -1.2}, {1.2, 1.2, 1.2}, 0.03);
-  const auto longest_edge = [](Vec3 p) {
-    return 0.1 + 0.3 * std::hypot(p.x, p.y, p.z - 1);
-  };  // from 0.1 at the north pole
+  // 0.1 at the north pole, longer away from it.
+  const auto longest_edge = [](Vec3 p) { return 0.1 + 0.3 * std::hypot(p.x, p.y, p.z - 1); };
   const Extraction sized = extract(volume, 0, {sized_by(longest_edge)});
   const Extraction even = extract(volume, 0, {bounded(Quantity::max_edge, 0.1)});
 

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Isosurface meshes whose topology is guaranteed, from numpy arrays and volume files.
+"""Isosurface meshes with guaranteed topology, from numpy arrays and volume files.
 
     >>> import isoatlas
     >>> volume = isoatlas.read("scan.nii.gz")
     >>> mesh = isoatlas.extract(volume, 300.5, max_distance=0.4)
     >>> mesh.save("bone.ply")
 
-`extract` meshes an array or a `Volume`; `read` reads volumes and meshes; `check` looks at any mesh; `marching_cubes` stands in for
-scikit-image's. docs/python.md shows how.
+`extract` meshes an array or a `Volume`, `read` reads volumes and meshes, `check` validates any
+triangle mesh, and `marching_cubes` replaces the function of scikit-image. See docs/python.md.
 """
 
 from __future__ import annotations

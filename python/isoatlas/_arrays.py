@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arrays of users in the forms that the extension takes; values are never rounded on the way."""
+"""Conversion of users' arrays to the forms that the extension accepts. Values are never rounded."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Matrix = tuple[Triple, Triple, Triple]
 
 
 def _is_dense(array: Array) -> bool:
-    """Do the samples fill their memory, in some order of the axes?"""
+    """Whether the samples fill their memory without gaps, in some order of the axes."""
     expected = array.itemsize
     for axis in sorted((2, 1, 0), key=lambda axis: array.strides[axis]):
         if array.shape[axis] > 1 and array.strides[axis] != expected:
@@ -26,29 +26,52 @@ def _is_dense(array: Array) -> bool:
 
 
 def _exactly(array: Array, dtype: type[np.generic], what: str) -> Array:
-    """The array with another type, if that holds all its values."""
+    """Convert the array to ``dtype``.
+
+    Raises
+    ------
+    UnsupportedError
+        ``dtype`` cannot hold a value of the array.
+    """
     with np.errstate(over="ignore"):
         converted = array.astype(dtype)
     back = converted.astype(array.dtype)
     same = (back == array) | ((array != array) & (back != back))
     if not same.all():
         index = tuple(int(i) for i in np.argwhere(~same)[0])
-        raise UnsupportedError(f"{what} has values of type {array.dtype} that are no {np.dtype(dtype)}, the first at index {index}")
+        raise UnsupportedError(
+            f"{what} has values of type {array.dtype} that {np.dtype(dtype)} cannot hold, "
+            f"the first at index {index}"
+        )
     return converted
 
 
 def as_samples(volume: Any) -> Array:
-    """A 3-D array of one of the sample types, dense, aligned and in native byte order: ``volume`` itself where it is that."""
+    """Convert ``volume`` to a dense, aligned 3-D array of a sample type in native byte order.
+
+    An array that already has this form is not copied.
+
+    Raises
+    ------
+    UnsupportedError
+        Masked samples, another number of dimensions, or a dtype without a matching sample type.
+    """
     if isinstance(volume, np.ma.MaskedArray):
         masked = int(np.count_nonzero(volume.mask))
         if masked > 0:
-            raise UnsupportedError(f"the array has {masked} masked samples, expected none: say with .filled(value) what they are")
+            raise UnsupportedError(
+                f"the array has {masked} masked samples, expected none: "
+                "replace them with .filled(value)"
+            )
         volume = volume.data
     array = np.asarray(volume)
     if array.ndim != 3:
         raise UnsupportedError(f"the array has {array.ndim} dimensions {array.shape}, expected 3")
     if array.dtype.kind not in "biuf":
-        raise UnsupportedError(f"the array has samples of type {array.dtype}, expected bool, integers or floating-point numbers")
+        raise UnsupportedError(
+            f"the array has samples of type {array.dtype}, "
+            "expected bool, integers or floating-point numbers"
+        )
     if array.dtype == np.bool_:
         array = array.view(np.uint8)
     elif array.dtype.kind == "f" and array.dtype.itemsize < 4:
@@ -63,6 +86,15 @@ def as_samples(volume: Any) -> Array:
 
 
 def as_vertices(vertices: Any) -> npt.NDArray[np.float64]:
+    """Convert to a C-contiguous (V, 3) array.
+
+    Raises
+    ------
+    BadArgumentError
+        Another shape, values that are not real numbers, or a position that is not finite.
+    UnsupportedError
+        A value that float64 cannot hold.
+    """
     array = np.asarray(vertices)
     if array.ndim != 2 or array.shape[1] != 3:
         raise BadArgumentError(f"vertices: expected an array of shape (V, 3), got {array.shape}")
@@ -73,11 +105,20 @@ def as_vertices(vertices: Any) -> npt.NDArray[np.float64]:
     array = np.ascontiguousarray(array, np.float64)
     finite = np.isfinite(array).all(axis=1)
     if not finite.all():
-        raise BadArgumentError(f"vertices: the position of vertex {int(np.argmin(finite))} is not finite")
+        raise BadArgumentError(
+            f"vertices: the position of vertex {int(np.argmin(finite))} is not finite"
+        )
     return array
 
 
 def as_faces(faces: Any, vertex_count: int) -> npt.NDArray[np.uint32]:
+    """Convert to a C-contiguous (F, 3) array.
+
+    Raises
+    ------
+    BadArgumentError
+        Another shape, values that are not integers, or an index outside 0 to ``vertex_count - 1``.
+    """
     array = np.asarray(faces)
     if array.ndim != 2 or array.shape[1] != 3:
         raise BadArgumentError(f"faces: expected an array of shape (F, 3), got {array.shape}")
@@ -89,11 +130,14 @@ def as_faces(faces: Any, vertex_count: int) -> npt.NDArray[np.uint32]:
     if outside.any():
         face = int(np.argmax(outside.any(axis=1)))
         corner = int(array[face][np.argmax(outside[face])])
-        raise BadArgumentError(f"faces: triangle {face} uses vertex {corner}, but there are only {vertex_count}")
+        raise BadArgumentError(
+            f"faces: triangle {face} uses vertex {corner}, but there are only {vertex_count}"
+        )
     return np.ascontiguousarray(array, np.uint32)
 
 
 def as_triple(numbers: Sequence[float], name: str) -> Triple:
+    """Convert to three floats; errors name the argument ``name``."""
     try:
         values = tuple(float(number) for number in numbers)
     except TypeError:
@@ -104,10 +148,11 @@ def as_triple(numbers: Sequence[float], name: str) -> Triple:
 
 
 def as_direction(direction: npt.ArrayLike | None) -> Matrix:
+    """Convert to three rows of three floats; None is the identity."""
     if direction is None:
         return ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     matrix = np.asarray(direction)
-    if matrix.size == 9 and matrix.ndim == 1:  # as SimpleITK has it, row by row
+    if matrix.size == 9 and matrix.ndim == 1:  # SimpleITK: row by row
         matrix = matrix.reshape(3, 3)
     if matrix.shape != (3, 3):
         raise BadArgumentError(f"direction: expected an array of shape (3, 3), got {matrix.shape}")

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from . import _core
 from ._arrays import as_faces, as_vertices
 from ._extract import Side
-from ._progress import ProgressLike, watched
+from ._progress import ProgressLike, progress_callback
 from ._volume import Order, Volume, core_volume
 from ._words import Number, isovalue, word, words
 from .errors import BadArgumentError
@@ -35,35 +35,39 @@ def check(
     progress: ProgressLike = None,
     threads: int | None = None,
 ) -> dict[str, Any]:
-    """Count the topology of any triangle mesh, and measure its shape and its distance from an isosurface.
+    """Check the topology of any triangle mesh, and measure its shape and distance to an isosurface.
 
     Parameters
     ----------
-    vertices : (V, 3) array
-        Finite numbers.
-    faces : (F, 3) array of integers
+    vertices : (V, 3) array of float
+        Positions, all finite.
+    faces : (F, 3) array of int
         Indices of vertices.
     self_intersections : bool
-        Also look for pairs of triangles that meet where they should not: decided exactly.
-    volume : (M, N, P) array, or Volume, optional
-        Measure how far the mesh is from its isosurface at ``iso``, both ways. ``spacing``, ``origin``, ``direction``, ``order``, ``inside``,
-        ``topology``, ``interpolation``, ``nan`` and ``space`` are those of `extract`; the mesh is in the coordinates that `extract` would give.
-    iso : float
-        The isovalue, with ``volume``.
+        Also find all pairs of triangles that intersect. The test is exact.
+    volume : (M, N, P) array or Volume, optional
+        Measure the two-sided distance between the mesh and the isosurface of this volume at
+        ``iso``. The arguments ``spacing``, ``origin``, ``direction``, ``order``, ``inside``,
+        ``topology``, ``interpolation``, ``nan`` and ``space`` have the meaning of `extract`. The
+        mesh must be in the coordinates in which `extract` would return it.
+    iso : float, optional
+        The isovalue; required with ``volume``, refused without.
     samples : int
-        Spread over the area of each of the two surfaces.
+        Number of sample points on each of the two surfaces, spread evenly over its area.
     progress, threads
         As for `extract`.
 
     Returns
     -------
     dict
-        What ``isoatlas check --json`` prints: docs/reference/report.md, ``isoatlas-check-1``. ``path`` is None.
+        The JSON that ``isoatlas check --json`` prints, see ``isoatlas-check-1`` in
+        docs/reference/report.md. ``path`` is None.
 
     Raises
     ------
     BadArgumentError
-        A ``ValueError``: wrong shapes, an index out of range, a coordinate that is not finite, ``iso`` without ``volume``.
+        A ``ValueError``: a wrong shape, an index out of range, a coordinate that is not finite, or
+        only one of ``iso`` and ``volume``.
     UnsupportedError, EmptySurfaceError, KeyboardInterrupt
         As for `extract`.
     """
@@ -75,12 +79,21 @@ def check(
     options: list[tuple[str, str]] = []
     if volume is not None:
         core = core_volume(volume, spacing, origin, direction, order)
-        named = {"inside": inside, "topology": topology, "interpolation": interpolation, "nan": nan, "space": space, "samples": samples}
+        named = {
+            "inside": inside,
+            "topology": topology,
+            "interpolation": interpolation,
+            "nan": nan,
+            "space": space,
+            "samples": samples,
+        }
         options = [("iso", isovalue("iso", iso)), *words(named)]
     count = int(word("threads", 0 if threads is None else threads))
     if count < 0:
         raise BadArgumentError(f"threads: expected a whole number, 0 or more, got '{count}'")
-    with watched(progress) as callback:
-        text = _core.check(positions, triangles, bool(self_intersections), core, options, count, callback)
+    with progress_callback(progress) as callback:
+        text = _core.check(
+            positions, triangles, bool(self_intersections), core, options, count, callback
+        )
     report: dict[str, Any] = json.loads(text)
     return report

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The extension (python/src/module.cpp). Not for users: nothing here checks what it is given for their sake.
+# The extension (python/src/module.cpp). Private: its functions expect checked arguments.
 import os
 from typing import Any, Callable, Sequence
 
@@ -40,7 +40,12 @@ class ArrayVolume:
 
 class ExtractWords:
     def __init__(
-        self, settings: _Words, constraints: _Words, refine: Sequence[str | _Words], coarse: bool, allow_self_intersections: bool
+        self,
+        settings: _Words,
+        constraints: _Words,
+        refine: Sequence[str | _Words],
+        coarse: bool,
+        allow_self_intersections: bool,
     ) -> None: ...
 
 class Levels:
@@ -56,9 +61,13 @@ class Levels:
     def placement(self) -> str: ...
     def save(self, path: _Path, report: _Path | None, glb_per_level: bool) -> str: ...
 
-def extract(volume: ArrayVolume, words: ExtractWords, progress: Callable[[str, float], Any] | None) -> Levels: ...
+def extract(
+    volume: ArrayVolume, words: ExtractWords, progress: Callable[[str, float], Any] | None
+) -> Levels: ...
 def length_unit(name: str) -> str: ...
-def read_volume(path: _Path, options: _Words) -> tuple[npt.NDArray[Any], _Triple, _Triple, _Matrix, str, VolumeSource]: ...
+def read_volume(
+    path: _Path, options: _Words
+) -> tuple[npt.NDArray[Any], _Triple, _Triple, _Matrix, str, VolumeSource]: ...
 def read_levels(path: _Path) -> Levels: ...
 def check(
     vertices: npt.NDArray[np.float64],
@@ -69,4 +78,4 @@ def check(
     threads: int,
     progress: Callable[[str, float], Any] | None,
 ) -> str: ...
-def given_up_work() -> int: ...
+def abandoned_work_count() -> int: ...

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._mesh import Mesh
-from ._progress import ProgressLike, watched
+from ._progress import ProgressLike, progress_callback
 from ._volume import Order, Volume, core_volume
 from ._words import Length, Number, Refine, isovalue, levels, words
 
@@ -54,114 +54,145 @@ def extract(
     progress: ProgressLike = None,
     threads: int | None = None,
 ) -> Mesh:
-    """Mesh the surface on which a volume has the value ``iso``, with certified topology.
+    """Mesh the isosurface of a volume, with certified topology.
 
-    Every level of the result is a 2-manifold, consistently oriented and homeomorphic to the isosurface, component by component; that
-    was checked. Options mean what those of ``isoatlas extract`` mean (docs/reference/command-line.md).
+    The isosurface is the surface on which the volume has the value ``iso``. Every level of the
+    result is a consistently oriented 2-manifold, and each of its components is homeomorphic to a
+    component of the isosurface. A certificate verifies this for each level.
 
-    A length is a number, in the unit of ``spacing``, or a text: ``"3vx"`` is three times the smallest spacing, ``"2.5mm"`` is converted to the
-    unit of the `Volume`, which must have one.
+    The options have the meaning of those of ``isoatlas extract``, see
+    docs/reference/command-line.md. A length is a number in the unit of ``spacing``, or a text:
+    ``"3vx"`` is three times the smallest spacing; ``"2.5mm"`` is converted to the unit of the
+    `Volume`, which must have one.
 
     Parameters
     ----------
-    volume : (M, N, P) array, or Volume
-        Any integer or floating-point type, or bool; at least 2 samples along each axis. Neither C-contiguous arrays, nor
-        Fortran-contiguous ones, nor such with their axes transposed are copied; other strides, byte orders and float16 are, once.
-        A `Volume` has its own spacing, origin and direction, and is ``order="xyz"``.
+    volume : (M, N, P) array or Volume
+        Samples of any integer or floating-point type or bool, at least 2 along each axis. Arrays in
+        C or Fortran order and their transposed views are not copied. Other strides, other byte
+        orders and float16 are copied once. A `Volume` has its own spacing, origin and direction,
+        and its order is ``"xyz"``.
     iso : float
-        The isovalue. For integers a value between two integers, like 80.5, is best.
+        The isovalue. For integer samples choose a value between two integers, such as 80.5.
     spacing : 3 floats
-        World length of one step along each axis, above 0.
+        Distance between samples along each axis, above 0.
     origin : 3 floats
         World position of the first sample.
     direction : (3, 3) array, optional
-        Its columns are the unit vectors of the axes; a mirror image is allowed. Default: the identity.
+        The columns are the unit vectors of the axes. A mirror image is allowed. Default: the
+        identity.
     order : {"ijk", "xyz"}, optional
-        What the order of the coordinates is, in ``spacing``, ``origin``, ``direction`` and in all that comes out. ``"ijk"``, the default for
-        arrays, is that of the array's axes, as in scikit-image: ``volume[i, j, k]`` is at
-        ``origin + direction @ (spacing * (i, j, k))``. ``"xyz"`` is the opposite order, for arrays indexed ``[z, y, x]`` as SimpleITK's
-        ``GetArrayFromImage`` makes them: ``volume[z, y, x]`` is at ``origin + direction @ (spacing * (x, y, z))``.
+        Order of the coordinates in ``spacing``, ``origin``, ``direction`` and in the result.
+        ``"ijk"``, the default for arrays, is the order of the array's axes, as in scikit-image:
+        ``volume[i, j, k]`` is at ``origin + direction @ (spacing * (i, j, k))``. ``"xyz"`` is the
+        opposite order, for arrays indexed ``[z, y, x]``, such as those of SimpleITK's
+        ``GetArrayFromImage``: ``volume[z, y, x]`` is at
+        ``origin + direction @ (spacing * (x, y, z))``.
     inside : {"above", "below"}
-        Which samples are inside. A sample equal to ``iso`` is inside either way. Faces are counter-clockwise seen from outside.
+        Which samples are inside: those above or those below ``iso``. A sample equal to ``iso`` is
+        always inside. Faces are counter-clockwise seen from outside.
     nan : {"below", "above"}, optional
-        On which side of ``iso`` NaN is; infinities are then on the side of their sign. Default: they are refused.
+        The side of ``iso`` to which NaN samples belong; infinities then belong to the side of their
+        sign. Default: NaN and infinity are refused.
     topology : {"trilinear", "faces"}
-        What the surface is inside a cell: that of the trilinear interpolant, with its tunnels, or one disk per loop on the cell's faces.
+        Topology of the surface inside a grid cell: that of the trilinear interpolant, with tunnels,
+        or one disk per closed loop on the faces of the grid cell.
     interpolation : {"trilinear", "tricubic"}
-        What the surface is between samples: moves vertices and changes distances, not the topology (unless supersampled).
+        Interpolation between samples; tricubic is smooth. It affects vertex positions and
+        distances, not the topology (unless ``supersample`` is above 1).
     supersample : int
-        Mesh the surface of the volume upsampled so many times along each axis.
+        Mesh the surface of the volume upsampled by this factor along each axis. A factor K needs
+        about K² times the time and memory.
     adaptive_supersample : int, 0 to 8
-        How often, in each refined level, the surface may be sampled more finely where a bound cannot be kept otherwise.
+        Upper limit, per refined level, on how often the surface is subdivided where a bound cannot
+        be satisfied otherwise.
     min_component_size : float or str, optional
-        Leave out components that enclose less: world units cubed, or ``"10vx"``. What was left out is in ``report["dropped"]``.
+        Drop components that enclose less volume: a number in world units cubed, or ``"10vx"``. The
+        dropped components are listed in ``report["dropped"]``.
     keep_components : int, optional
-        Leave out all but so many largest ones.
+        Keep only this number of largest components.
     coarse : bool
-        Only level 0, the coarsest mesh that keeps the topology.
-    refine : str, dict or a list of them, optional
-        One more level for each, refined from the last one until it is met: ``"max-distance:0.5vx,normal-angle:20deg"`` or
-        ``{"max_distance": "0.5vx", "normal_angle": 20}``; what stands first is more important. Default: one level, at the bounds that
-        follow, and within half a voxel of the surface (or an eighth of the largest spacing, where that
-        is more) if none of them is a metric.
+        Return only level 0, the coarsest mesh that preserves the topology.
+    refine : str, dict, or list of these, optional
+        Each entry adds one level, refined from the previous level until it satisfies the
+        constraints of the entry: ``"max-distance:0.5vx,normal-angle:20deg"`` or
+        ``{"max_distance": "0.5vx", "normal_angle": 20}``. Constraints are in the order of their
+        priority. Default: one level that satisfies the bounds below. If none of these bounds is a
+        metric, the level is within half a voxel of the surface (or within an eighth of the largest
+        spacing, if that is more).
     max_distance, mean_distance : float or str, optional
-        Bounds for all levels after level 0 (with ``coarse`` for level 0), here to ``min_aspect``. They are more important than those of ``refine``, and
-        the more important the earlier they come in this list. This one: largest and mean distance of the mesh from the surface, lengths.
+        Upper bounds of the largest two-sided distance and of the mean distance between mesh and
+        surface: lengths. This bound and the following ones, up to ``min_aspect``, apply to all
+        levels after level 0; with ``coarse`` they are checked on level 0. They have priority over
+        those of ``refine``; among them, earlier ones in this list have priority.
     area_curvature, area_curvature_smooth, geodesic_ratio : float, optional
-        Ratios above 1.
+        Upper bounds of ratios; above 1.
     normal_angle : float or str, optional
-        Turn of the normal within a cell, degrees.
+        Upper bound of the change of the surface normal within a Voronoi cell, in degrees.
     max_vertices, min_vertices : int, optional
-        4 or more. Topology comes first: where it alone needs more than ``max_vertices``, there are more.
+        Bounds of the number of vertices, 4 or more. Topology has priority over ``max_vertices``.
     min_edge, max_edge : float or str, optional
-        Lengths of edges.
+        Bounds of the edge lengths.
     min_aspect : float, optional
-        Shortest over longest edge of a triangle, between 0 and 1.
+        Lower bound of the shortest edge of a triangle divided by its longest; between 0 and 1.
     max_radius : float or str, optional
-        Largest radius of the disks that cover the surface. Default: half the longest side of the volume.
+        Largest radius of the disks that cover the surface: a length. Default: half the longest side
+        of the volume.
     covering : {"sizing-field", "halving"}
-        How disks cover the surface; ``"halving"`` is the paper's own.
+        How disks cover the surface. ``"halving"`` is the method of the paper.
     event_persistence : float or str, optional
-        Holes in a growing disk that close again within this length do not limit it. Default: ``"1.5vx"``, with ``"halving"`` 0.
+        Holes in a growing disk that close again within this length do not limit the disk. Default:
+        ``"1.5vx"``; 0 with ``covering="halving"``.
     allow_self_intersections : bool
-        Leave triangles as they are that meet others beyond the corners and edges they share; faster.
+        Keep triangles that intersect; faster, and fewer triangles.
     placement : {"surface", "balanced"}
-        Vertices on the surface, the same in all levels; or moved in each level so that the mesh lies evenly on both sides.
+        Vertex placement: on the surface and the same in all levels, or displaced in each level so
+        that the mesh lies evenly on both sides of the surface.
     space : {"lps", "ras", "voxel"}
-        Coordinates of the result: as given; with x and y negated (``order="xyz"`` only); or indices of samples.
+        Coordinates of the result: world coordinates; world coordinates with x and y negated (only
+        with ``order="xyz"``); or sample indices.
     measure : bool
-        Measure each level against the isosurface, with 200,000 samples each way.
+        Measure the two-sided distance between each level and the isosurface, with 200,000 samples
+        in each direction.
     measure_samples : int, optional
-        The same with so many samples.
+        The same with this number of samples.
     progress : function of (stage: str, fraction: float), or bool, optional
-        Called on this thread, some 20 times a second, with the name of a stage and how much of the whole is done, 0 to 1, which never falls. What it raises
-        stops the work and comes out of here. ``True``: a bar of tqdm.
+        Called on the calling thread, about 20 times a second, with the name of a stage and the
+        completed fraction of all work, from 0 to 1; the fraction never falls. If the function
+        raises an exception, the work stops and `extract` raises the exception. True shows a bar of
+        tqdm.
     threads : int, optional
-        Default: as many as the machine has. The result does not depend on it.
+        Number of threads. Default: as many as the machine has. The result does not depend on it.
 
     Returns
     -------
     Mesh
-        ``vertices`` (V, 3) float64 and ``faces`` (F, 3) uint32 of the finest level, ``levels``, coarse to fine, and ``report``.
-        Bounds that could not be met are no error: see ``Mesh.unmet``.
+        ``vertices`` (V, 3) float64 and ``faces`` (F, 3) uint32 of the finest level; ``levels``,
+        from coarse to fine; and ``report``. A violated bound is not an error: see ``Mesh.unmet``.
 
     Raises
     ------
     BadArgumentError
         A ``ValueError``: an argument is out of its domain.
     UnsupportedError
-        A ``ValueError``: NaN or infinite samples without ``nan``; complex samples; not 3-D; values that float64 cannot hold (``longdouble``).
+        A ``ValueError``: NaN or infinite samples without ``nan``, complex samples, an array that is
+        not 3-D, or values that float64 cannot hold (``longdouble``).
     EmptySurfaceError
-        A ``ValueError``: every sample is on one side of ``iso``.
+        A ``ValueError``: all samples are on one side of ``iso``.
     OutOfMemoryError
         A ``MemoryError``.
     KeyboardInterrupt
-        Ctrl-C, within a second, if this is called on the main thread.
+        Within a second after Ctrl-C, if `extract` is called on the main thread.
 
     Notes
     -----
-    Other Python threads run meanwhile; they must not change the samples. The same values in C and in Fortran order give meshes of the
-    same topology, but not with the same vertices: memory is read in its own order.
+    The method is that of Gavriliu, Carranza, Breen and Barr, "Fast extraction of adaptive
+    multiresolution meshes with guaranteed properties from volumetric data", IEEE Visualization
+    2001.
+
+    Other Python threads run during the work; they must not change the samples. The samples are read
+    in the order in which they lie in memory. The same values in C and in Fortran order therefore
+    give meshes with the same topology but with other vertices.
     """
     core = core_volume(volume, spacing, origin, direction, order)
     if measure and measure_samples is None:
@@ -197,7 +228,11 @@ def extract(
         "min_aspect": min_aspect,
     }
     request = _core.ExtractWords(
-        [("iso", isovalue("iso", iso)), *words(settings)], words(constraints), levels(refine), bool(coarse), bool(allow_self_intersections)
+        [("iso", isovalue("iso", iso)), *words(settings)],
+        words(constraints),
+        levels(refine),
+        bool(coarse),
+        bool(allow_self_intersections),
     )
-    with watched(progress) as callback:
+    with progress_callback(progress) as callback:
         return Mesh(_core.extract(core, request, callback))

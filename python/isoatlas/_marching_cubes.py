@@ -13,7 +13,7 @@ from ._progress import ProgressLike
 from ._words import Length, Number, Refine
 from .errors import BadArgumentError
 
-_CHUNK = 65_536  # vertices whose surroundings are looked up at once: keeps the copies small
+_CHUNK = 65_536  # vertices processed at a time: limits the size of temporary arrays
 
 
 def marching_cubes(
@@ -33,54 +33,68 @@ def marching_cubes(
     nan: Side | None = None,
     progress: ProgressLike = None,
     threads: int | None = None,
-) -> tuple[npt.NDArray[Any], npt.NDArray[np.int32], npt.NDArray[np.float32], npt.NDArray[np.float32]]:
-    """In place of ``skimage.measure.marching_cubes``: the same arguments, the same four results; another mesh.
+) -> tuple[
+    npt.NDArray[Any], npt.NDArray[np.int32], npt.NDArray[np.float32], npt.NDArray[np.float32]
+]:
+    """Replace ``skimage.measure.marching_cubes``: the same arguments and the same four results.
 
-    What is different: the mesh is `extract`'s, adaptive, with far fewer triangles, within half a voxel of the surface by default (scikit-image's
-    is finer than that), and of certified topology. A sample equal to ``level`` is inside. NaN is refused unless ``nan`` says where it is.
-    ``mask`` is not supported.
+    The mesh differs: it is the mesh of `extract`, adaptive, with certified topology and far fewer
+    triangles. By default it is within half a voxel of the isosurface; scikit-image's mesh is
+    closer. A sample equal to ``level`` is inside. NaN is refused unless ``nan`` assigns it to a
+    side. ``mask`` is not supported.
 
     Parameters
     ----------
     volume : (M, N, P) array
         As for `extract`; never converted to float32.
     level : float, optional
-        Default: half-way between the least and the largest sample.
+        The isovalue. Default: the mean of the smallest and the largest sample.
     spacing : 3 floats
-        In the order of the array's axes.
+        Distance between samples along each axis, in the order of the array's axes.
     gradient_direction : {"descent", "ascent"}
-        As in scikit-image, where it goes by the left hand: with ``"descent"`` faces are clockwise seen from where samples are lower.
+        As in scikit-image, which uses the left-hand rule: with ``"descent"``, faces are clockwise
+        seen from the side of lower samples.
     step_size : int
-        Only every so manieth sample along each axis is looked at.
+        Use only every n-th sample along each axis.
     allow_degenerate : bool
-        No triangle is degenerate, whatever it is.
+        No effect: no triangle is degenerate.
     method : {"lewiner", "lorensen"}
-        The mesh is the same with both.
+        No effect: both give the same mesh.
     mask : None
-        ``NotImplementedError`` for anything else.
+        Any other value raises ``NotImplementedError``.
     max_distance, refine, coarse, allow_self_intersections, nan, progress, threads
-        As for `extract`, which scikit-image does not have.
+        As for `extract`. scikit-image does not have these arguments.
 
     Returns
     -------
-    verts : (V, 3) float32, or float64 with a ``spacing``
-        In the order of the array's axes.
-    faces : (F, 3) int32
-    normals : (V, 3) float32
-        Of length 1, down the gradient of the data at each vertex, towards lower samples. With a ``spacing`` they are those of the world;
-        scikit-image's are those of the grid.
-    values : (V,) float32
-        The largest sample at the corners of the cell that a vertex is in.
+    verts : (V, 3) float32 array; float64 with a ``spacing``
+        Coordinates in the order of the array's axes.
+    faces : (F, 3) int32 array
+        Indices of vertices.
+    normals : (V, 3) float32 array
+        Unit normals: the negative gradient of the data at each vertex, so they point towards lower
+        samples. With a ``spacing`` they are in world coordinates; scikit-image's are in grid
+        coordinates.
+    values : (V,) float32 array
+        Per vertex, the largest sample at the corners of the grid cell that contains it.
 
     Raises
     ------
     ValueError
-        ``level`` is not within the range of the samples; the array is not 3-D, or has less than 2 samples along an axis; and as `extract`.
+        ``level`` is outside the range of the samples, the array is not 3-D, or it has fewer than 2
+        samples along an axis.
+    isoatlas.Error
+        As for `extract`.
     """
     if mask is not None:
-        raise NotImplementedError("mask is not supported: cut the array, or set what is not wanted to a value below the level")
+        raise NotImplementedError(
+            "mask is not supported: crop the array, "
+            "or set unwanted samples to a value below the level"
+        )
     if gradient_direction not in ("descent", "ascent"):
-        raise BadArgumentError(f"gradient_direction: expected one of descent, ascent, got {gradient_direction!r}")
+        raise BadArgumentError(
+            f"gradient_direction: expected one of descent, ascent, got {gradient_direction!r}"
+        )
     if method not in ("lewiner", "lorensen"):
         raise BadArgumentError(f"method: expected one of lewiner, lorensen, got {method!r}")
     step = int(step_size)
@@ -91,7 +105,7 @@ def marching_cubes(
     if level is None:
         if array.size == 0:
             raise BadArgumentError(f"the array has no samples, its shape is {array.shape}")
-        # What is not finite has a side, but no place between the others; without one extract() says that it is there.
+        # The range is that of the finite samples. extract() refuses the others unless `nan` is set.
         samples = array[np.isfinite(array)] if array.dtype.kind == "f" else array
         level = 0.5 * float(samples.min()) + 0.5 * float(samples.max()) if samples.size else 0.0
     elif not math.isfinite(level):
@@ -113,17 +127,25 @@ def marching_cubes(
     if gradient_direction == "descent":
         faces = faces[:, ::-1]
     normals, values = _from_data(array, mesh.vertices, mesh.faces, np.asarray(steps))
-    vertices: npt.NDArray[Any] = mesh.vertices.astype(np.float32) if world == (1.0, 1.0, 1.0) else mesh.vertices.copy()
+    vertices: npt.NDArray[Any] = (
+        mesh.vertices.astype(np.float32) if world == (1.0, 1.0, 1.0) else mesh.vertices.copy()
+    )
     return vertices, faces, normals.astype(np.float32), values.astype(np.float32)
 
 
 def _from_data(
-    array: Array, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32], spacing: npt.NDArray[np.float64]
+    array: Array,
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.uint32],
+    spacing: npt.NDArray[np.float64],
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Normals, of length 1, against the gradient of the data, and the largest sample of the cell around each vertex."""
+    """Unit normals against the gradient of the data, and the largest sample of the grid cell.
+
+    Both are per vertex.
+    """
     normals = np.empty(vertices.shape)
     values = np.empty(len(vertices))
-    with np.errstate(invalid="ignore"):  # infinite and NaN samples, if they are allowed
+    with np.errstate(invalid="ignore"):  # infinite and NaN samples, allowed with `nan`
         for begin in range(0, len(vertices), _CHUNK):
             piece = slice(begin, begin + _CHUNK)
             gradients, values[piece] = _gradients(array, vertices[piece] / spacing)
@@ -131,13 +153,19 @@ def _from_data(
         lengths = np.linalg.norm(normals, axis=1)
         normals /= lengths[:, np.newaxis]
     flat = ~(np.isfinite(lengths) & (lengths > 0))
-    if flat.any():  # the data say nothing there: the mesh does
+    if flat.any():  # the data have no gradient there: use the mesh
         normals[flat] = _mesh_normals(vertices, faces)[flat]
     return normals, values
 
 
-def _gradients(array: Array, points: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Central differences at the corners of each point's cell, interpolated; and the largest sample of the corners. In steps of the grid."""
+def _gradients(
+    array: Array, points: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Gradient and largest sample of each point's grid cell.
+
+    The gradient is interpolated from the central differences at the corners of the grid cell. One
+    unit of length is the distance between samples.
+    """
     last = np.array(array.shape) - 1
     cells = np.clip(np.floor(points).astype(np.intp), 0, last - 1)
     inside = np.clip(points - cells, 0.0, 1.0)
@@ -151,13 +179,17 @@ def _gradients(array: Array, points: npt.NDArray[np.float64]) -> tuple[npt.NDArr
             before, after = index.copy(), index.copy()
             before[:, axis] = np.maximum(index[:, axis] - 1, 0)
             after[:, axis] = np.minimum(index[:, axis] + 1, last[axis])
-            difference = array[tuple(after.T)].astype(np.float64) - array[tuple(before.T)].astype(np.float64)
+            difference = array[tuple(after.T)].astype(np.float64) - array[tuple(before.T)].astype(
+                np.float64
+            )
             gradients[:, axis] += weight * difference / (after[:, axis] - before[:, axis])
     return gradients, largest
 
 
-def _mesh_normals(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.float64]:
-    """Those of the triangles around each vertex, by area."""
+def _mesh_normals(
+    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]
+) -> npt.NDArray[np.float64]:
+    """Unit normals of the vertices: means of the triangles' normals, weighted by area."""
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))
     areas = np.cross(b - a, c - a)
     normals = np.zeros(vertices.shape)

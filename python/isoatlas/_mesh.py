@@ -25,16 +25,19 @@ class Level:
     Attributes
     ----------
     number : int
-        0: the coarsest.
-    vertices : (V, 3) float64, read-only
-        In all levels of ``placement="surface"`` those of the level before come first, at the same indices.
-    faces : (F, 3) uint32, read-only
+        0 is the coarsest level.
+    vertices : (V, 3) float64 array, read-only
+        Positions in the unit of the volume's spacing. With ``placement="surface"``, the vertices of
+        the previous level come first, at the same indices.
+    faces : (F, 3) uint32 array, read-only
         Indices of vertices, counter-clockwise seen from outside.
-    distance : (V,) float32, read-only, or None
-        Per vertex the largest distance between its part of the isosurface and the mesh, both ways, in the unit of the volume's spacing:
-        what ``max_distance`` bounds. None where nothing was measured (``coarse=True``, files of other programs).
+    distance : (V,) float32 array, read-only, or None
+        Per vertex, the largest two-sided distance between the mesh and the isosurface in the
+        vertex's Voronoi cell, in the unit of the volume's spacing; ``max_distance`` bounds it. None
+        if it was not measured (``coarse=True``, files of other programs).
     report : dict
-        What is known of it: the keys of ``levels[]`` in docs/reference/report.md. Empty if a file does not say.
+        Data of the level, with the keys of ``levels[]`` in docs/reference/report.md. Empty if the
+        mesh was read from a file without them.
     """
 
     def __init__(self, core: _core.Levels, number: int, report: dict[str, Any]) -> None:
@@ -49,24 +52,28 @@ class Level:
 
 
 class Mesh:
-    """Nested levels of triangles: what `extract` makes, and `read` reads.
+    """Nested levels of triangle meshes: the result of `extract` and of `read`.
 
-    Arrays are read-only views, not copies: levels share their vertices. Use ``mesh.vertices.copy()`` for one to change; arrays stay
-    valid when the mesh is gone.
+    Arrays are read-only views, not copies, because levels share their vertices. Use
+    ``mesh.vertices.copy()`` to get an array that you can change. Arrays stay valid after the mesh
+    is deleted.
     """
 
     def __init__(self, core: _core.Levels) -> None:
-        """Not for users: see `extract` and `read`."""
+        """Private: use `extract` or `read`."""
         self._core = core
 
     @property
     def vertices(self) -> npt.NDArray[np.float64]:
-        """(V, 3) float64, read-only: the vertices of the finest level, in the unit of the volume's spacing."""
+        """Vertices of the finest level: (V, 3) float64, read-only, in the unit of the spacing."""
         return self.levels[-1].vertices
 
     @property
     def faces(self) -> npt.NDArray[np.uint32]:
-        """(F, 3) uint32, read-only: indices of vertices, counter-clockwise seen from outside; of the finest level."""
+        """Faces of the finest level: (F, 3) uint32, read-only.
+
+        Indices of vertices, counter-clockwise seen from outside.
+        """
         return self.levels[-1].faces
 
     @functools.cached_property
@@ -76,70 +83,100 @@ class Mesh:
 
     @functools.cached_property
     def report(self) -> dict[str, Any]:
-        """What ``isoatlas extract --report`` writes (docs/reference/report.md), as it is before files are written: ``files`` is empty.
-        Of a mesh that was read only ``levels``, with what the file says of each.
+        """The report of ``isoatlas extract --report`` as a dict, see docs/reference/report.md.
+
+        ``files`` is empty, because no files are written yet. A mesh that was read has only
+        ``levels``, with the data that the file holds for each level.
         """
         text = self._core.report()
         if text:
             report: dict[str, Any] = json.loads(text)
             return report
-        said = [json.loads(level) or {} for level in self._core.level_reports()]
-        return {"levels": said or [{} for _ in range(len(self._core))]}
+        reports = [json.loads(level) or {} for level in self._core.level_reports()]
+        return {"levels": reports or [{} for _ in range(len(self._core))]}
 
     @property
     def placement(self) -> str:
-        """``"surface"``: a vertex is at the same place in all levels; ``"balanced"``: it may be elsewhere in each."""
+        """Vertex placement: ``"surface"`` (the same in all levels) or ``"balanced"``."""
         return self._core.placement
 
     @property
     def space(self) -> str:
-        """What files say of the coordinates: ``"LPS"``, ``"RAS"``, ``"voxel"``, or nothing for arrays with ``order="ijk"``."""
+        """System of coordinates that files state: ``"LPS"``, ``"RAS"`` or ``"voxel"``.
+
+        Empty if it is unknown, as for arrays with ``order="ijk"``.
+        """
         return self._core.space
 
     @property
     def unmet(self) -> list[str]:
-        """A line for each bound that was asked for and could not be met, as the command line prints it; empty: all are met."""
+        """One line for each requested bound that is violated, as the command line prints it.
+
+        Empty if all bounds are satisfied.
+        """
         return [
-            f"level {k}: {c['quantity']} {_bound_text(c['bound'], c['unit'])}: reached {_bound_text(c['reached'], c['unit'])}"
+            f"level {k}: {c['quantity']} {_bound_text(c['bound'], c['unit'])}: "
+            f"reached {_bound_text(c['reached'], c['unit'])}"
             + (f": {c['reason']}" if c["reason"] else "")
             for k, level in enumerate(self.report["levels"])
             for c in level.get("constraints", ())
             if not c["satisfied"] and not c["default"]
         ]
 
-    def save(self, path: str | os.PathLike[str], *, report: str | os.PathLike[str] | None = None, glb_per_level: bool = False) -> None:
-        """Write files, whole or not at all; the same bytes as the command line's ``-o``.
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        report: str | os.PathLike[str] | None = None,
+        glb_per_level: bool = False,
+    ) -> None:
+        """Write the mesh to files: the same bytes as the ``-o`` option of the command line.
+
+        Either all files are written completely, or none is.
 
         Parameters
         ----------
         path : str or path
-            ``NAME.ply``, ``.stl``, ``.obj``, ``.off``, ``.vtp``, ``.3mf`` or ``.gii``: the finest level; with ``{level}`` in the name one file for each level;
-            ``NAME.glb``, ``NAME.vtm``: all levels. docs/reference/files.md says what is in them.
+            ``NAME.ply``, ``.stl``, ``.obj``, ``.off``, ``.vtp``, ``.3mf`` or ``.gii`` holds the
+            finest level; with ``{level}`` in the name there is one file per level. ``NAME.glb`` and
+            ``NAME.vtm`` hold all levels. See docs/reference/files.md for their contents.
         report : str or path, optional
-            Write the report too, as ``--report`` does. Only of what `extract` made.
+            Also write the report, like ``--report``. Only for a result of `extract`.
         glb_per_level : bool
-            With ``NAME.glb``: also ``NAME-0.glb``, ``NAME-1.glb``, ... and ``NAME.json``, which lists them.
+            With ``NAME.glb``: also write ``NAME-0.glb``, ``NAME-1.glb``, ... and ``NAME.json``,
+            which lists them.
 
         Warns
         -----
         FileWarning
-            Rounding to float32 in ``.stl``, ``.gii`` or ``.glb`` causes self-intersections: the volume is very far from the origin.
+            Rounding to float32 in ``.stl``, ``.gii`` or ``.glb`` causes self-intersections, because
+            the volume is very far from the origin.
 
         Raises
         ------
         BadFileError
-            An ``OSError``: it cannot be written; or float32, in ``.stl``, ``.gii`` and ``.glb``, would merge or move vertices.
+            An ``OSError``: a file cannot be written, or float32 in ``.stl``, ``.gii`` or ``.glb``
+            would merge vertices or move them too far.
         UnsupportedError
-            A ``ValueError``: unknown extension.
+            A ``ValueError``: an unknown extension.
         BadArgumentError
-            A ``ValueError``: a file would replace the volume that was read, or another one.
+            A ``ValueError``: a file would replace the volume that was read, or another output.
         """
         if warning := self._core.save(path, report, glb_per_level):
             warnings.warn(warning, FileWarning, stacklevel=2)
 
     def to_vtk(self, level: int = -1) -> vtkPolyData:
-        """A copy as ``vtkPolyData``, of the finest level or of another one; `Level.distance` as the point array ``max_distance``.
-        Needs VTK (Debian: python3-vtk9).
+        """Copy a level to a ``vtkPolyData``. `Level.distance` becomes point array ``max_distance``.
+
+        Parameters
+        ----------
+        level : int
+            Index into `levels`; the default is the finest.
+
+        Raises
+        ------
+        ImportError
+            VTK is not installed (Debian: python3-vtk9).
         """
         try:
             from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
@@ -167,7 +204,13 @@ class Mesh:
         return mesh
 
     def to_pyvista(self, level: int = -1) -> pyvista.PolyData:
-        """A copy as ``pyvista.PolyData``, of the finest level or of another one. Needs PyVista."""
+        """Copy a level to a ``pyvista.PolyData``, like `to_vtk`.
+
+        Raises
+        ------
+        ImportError
+            PyVista or VTK is not installed.
+        """
         try:
             import pyvista
         except ImportError as error:
@@ -175,13 +218,26 @@ class Mesh:
         return pyvista.wrap(self.to_vtk(level))
 
     def to_trimesh(self, level: int = -1) -> trimesh.Trimesh:
-        """A copy as ``trimesh.Trimesh``, of the finest level or of another one, with vertices and faces as they are here (``process=False``). Needs trimesh."""
+        """Copy a level to a ``trimesh.Trimesh`` with the same vertices and faces.
+
+        Parameters
+        ----------
+        level : int
+            Index into `levels`; the default is the finest.
+
+        Raises
+        ------
+        ImportError
+            trimesh is not installed.
+        """
         try:
             import trimesh
         except ImportError as error:
             raise ImportError("to_trimesh() needs the package trimesh") from error
         it = self.levels[level]
-        return trimesh.Trimesh(vertices=it.vertices.copy(), faces=it.faces.astype(np.int64), process=False)
+        return trimesh.Trimesh(
+            vertices=it.vertices.copy(), faces=it.faces.astype(np.int64), process=False
+        )
 
     def __repr__(self) -> str:
         text = _size_text(self.vertices, self.faces)
@@ -190,7 +246,12 @@ class Mesh:
         finest = self.levels[-1].report
         if "genus" in finest:
             text += "; " + ", ".join(
-                _counted(finest[key], noun) for key, noun in (("components", "component"), ("genus", ""), ("boundary_loops", "boundary loop"))
+                _counted(finest[key], noun)
+                for key, noun in (
+                    ("components", "component"),
+                    ("genus", ""),
+                    ("boundary_loops", "boundary loop"),
+                )
             )
         return f"<isoatlas.Mesh: {text}>"
 
@@ -210,4 +271,5 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _size_text(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]) -> str:
-    return f"{len(vertices):,} {'vertex' if len(vertices) == 1 else 'vertices'}, {_counted(len(faces), 'face')}"
+    noun = "vertex" if len(vertices) == 1 else "vertices"
+    return f"{len(vertices):,} {noun}, {_counted(len(faces), 'face')}"

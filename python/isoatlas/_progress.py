@@ -9,14 +9,21 @@ ProgressLike = Union[Progress, bool, None]
 
 
 class _Bar:
-    """One bar of tqdm, with the time left."""
+    """A progress bar of tqdm with the remaining time."""
 
     def __init__(self) -> None:
         try:
             from tqdm.auto import tqdm
         except ImportError:
-            raise ImportError("progress=True needs the package tqdm; or pass a function: progress(stage, fraction)") from None
-        self._bar = tqdm(total=1.0, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}", leave=False)
+            raise ImportError(
+                "progress=True needs the package tqdm; "
+                "or pass a function: progress(stage, fraction)"
+            ) from None
+        self._bar = tqdm(
+            total=1.0,
+            bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}",
+            leave=False,
+        )
 
     def __call__(self, stage: str, fraction: float) -> None:
         self._bar.set_description_str(stage, refresh=False)
@@ -28,8 +35,16 @@ class _Bar:
 
 
 @contextlib.contextmanager
-def watched(progress: ProgressLike) -> Iterator[Progress | None]:
-    """What the extension calls."""
+def progress_callback(progress: ProgressLike) -> Iterator[Progress | None]:
+    """The function that the extension calls with the progress; None if nobody wants it.
+
+    Raises
+    ------
+    TypeError
+        ``progress`` is neither a function nor a bool nor None.
+    ImportError
+        ``progress`` is True and tqdm is not installed.
+    """
     if progress is None or progress is False:
         yield None
     elif progress is True:
@@ -41,4 +56,6 @@ def watched(progress: ProgressLike) -> Iterator[Progress | None]:
     elif callable(progress):
         yield progress
     else:
-        raise TypeError(f"progress: expected a function of (stage, fraction), True or None, got {progress!r}")
+        raise TypeError(
+            f"progress: expected a function of (stage, fraction), True or None, got {progress!r}"
+        )

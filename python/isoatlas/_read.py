@@ -14,10 +14,15 @@ _MESHES = (".ply", ".stl", ".obj", ".off", ".vtp", ".glb", ".vtm", ".3mf", ".gii
 
 
 def read(path: str | os.PathLike[str], **options: Any) -> Volume | Mesh:
-    """Read a volume, or a mesh with its levels, by the extension of the name: `read_mesh` for ``.ply``, ``.stl``, ``.obj``, ``.off``, ``.vtp``, ``.glb``,
-    ``.vtm``, ``.3mf`` and ``.gii``, else `read_volume`, whose options it takes. Those two are the better choice where types are checked.
+    """Read a volume, or a mesh with its levels; the extension of the name decides.
+
+    ``.ply``, ``.stl``, ``.obj``, ``.off``, ``.vtp``, ``.glb``, ``.vtm``, ``.3mf`` and ``.gii`` are
+    read by `read_mesh`, everything else by `read_volume` with its ``options``. Code with checked
+    types should call these two functions, because the type of their result is known.
     """
-    if os.fsdecode(path).lower().endswith(_MESHES) and all(option is None for option in options.values()):
+    if os.fsdecode(path).lower().endswith(_MESHES) and all(
+        option is None for option in options.values()
+    ):
         return read_mesh(path)
     return read_volume(path, **options)
 
@@ -39,56 +44,69 @@ def read_volume(
     raw_endian: str | None = None,
     raw_offset: int | None = None,
 ) -> Volume:
-    """Read a 3-D scalar volume in its native sample type. What had to be assumed is warned of (`FileWarning`).
+    """Read a 3-D scalar volume in its own sample type.
+
+    Every assumption of the reader is issued as a `FileWarning`.
 
     Parameters
     ----------
     path : str or path
-        A file of one of the formats in docs/reference/formats.md, whatever its name, or a folder: a DICOM series, or slices.
+        A file in one of the formats of docs/reference/formats.md (its content decides the format,
+        not its name), or a folder with a DICOM series or image slices.
     channel, time : int, optional
-        Which of several channels (or values per sample) and time points to read, from 0.
+        Channel (or component of vector samples) and time point to read, counted from 0. Required
+        if the file has several.
     layer : int or str, optional
-        Which of several layers of a segmentation to read: its number from 0, or its name.
+        Layer of a segmentation file to read: its number from 0, or its name.
     array : str, optional
-        Which of several named arrays of a VTK file to read.
+        Named array of a VTK file to read.
     series : int or str, optional
-        Which of several DICOM series, or images of a file, to read: its number from 0, or its UID.
+        DICOM series, or image of a file with several, to read: its number from 0, or its UID.
     spacing : (SX, SY, SZ) or str, optional
-        World length of one step along x, y and z, in place of the file's; ``"0.2,0.2,1um"`` gives the unit as well.
+        Distance between samples along x, y and z; overrides that of the file. The text
+        ``"0.2,0.2,1um"`` sets the unit as well.
     roi : three (first, last) pairs, or str, optional
-        Keep only these samples along x, y and z, both ends included: ``((10, 99), (0, 63), (0, 40))`` or ``"10:99,0:63,:"``, where nothing
-        stands for the border.
+        Region of interest. Read only these samples along x, y and z, both ends included:
+        ``((10, 99), (0, 63), (0, 40))`` or ``"10:99,0:63,:"``. A missing number in the text stands
+        for the end of the volume.
     max_memory : int or str, optional
-        Refuse a volume whose samples take more: bytes, or ``"8GiB"``. Default: three quarters of the machine's memory.
+        Refuse a volume whose samples need more memory: a number of bytes, or ``"8GiB"``. Default:
+        three quarters of the machine's memory.
     raw_size : (NX, NY, NZ), optional
-        The file has no header: samples along x, y and z, x running fastest. With ``raw_type``.
+        Number of samples along x, y and z of a file without a header, x running fastest. Requires
+        ``raw_type``.
     raw_type : str, optional
-        ``"int8"`` ... ``"uint64"``, ``"float32"``, ``"float64"``.
+        Sample type of a file without a header: ``"int8"`` to ``"int64"``, ``"uint8"`` to
+        ``"uint64"``, ``"float32"`` or ``"float64"``.
     raw_spacing : 3 floats, optional
-        Distance between headerless samples. Default: 1.
+        Distance between samples of a file without a header. Default: 1.
     raw_endian : {"little", "big"}, optional
-        Their byte order. Default: ``"little"``.
+        Byte order of a file without a header. Default: ``"little"``.
     raw_offset : int, optional
-        Bytes before the first headerless sample. Default: 0.
+        Number of bytes before the first sample of a file without a header. Default: 0.
 
     Returns
     -------
     Volume
-        ``array`` is indexed ``[z, y, x]``, the rest is in the order x, y, z; the world is LPS in millimetres for medical formats.
+        ``array`` is indexed ``[z, y, x]``; all other attributes are in the order x, y, z. World
+        coordinates are LPS in millimetres for medical formats.
 
     Raises
     ------
     BadFileError
-        An ``OSError``: missing, truncated, malformed.
+        An ``OSError``: a file that is missing, truncated or malformed.
     UnsupportedError
-        A ``ValueError``: a 2-D image, an unknown format, or several volumes in the file and no choice of one; the text lists them.
+        A ``ValueError``: a 2-D image, an unknown format, or a file with several volumes if none is
+        chosen; the text lists them.
     OutOfMemoryError
-        A ``MemoryError``: more samples than ``max_memory``.
+        A ``MemoryError``: the samples need more than ``max_memory``.
     """
     if (raw_size is None) != (raw_type is None):
         raise BadArgumentError("raw_size and raw_type: expected both or none of them")
     if raw_size is None and any(it is not None for it in (raw_spacing, raw_endian, raw_offset)):
-        raise BadArgumentError("raw_spacing, raw_endian and raw_offset: expected raw_size and raw_type with them")
+        raise BadArgumentError(
+            "raw_spacing, raw_endian and raw_offset: expected raw_size and raw_type with them"
+        )
     given: dict[str, str | None] = {
         "channel": _whole(channel, "channel"),
         "time": _whole(time, "time"),
@@ -96,7 +114,11 @@ def read_volume(
         "array": array,
         "series": None if series is None else str(series),
         "spacing": _lengths(spacing),
-        "roi": roi if roi is None or isinstance(roi, str) else ",".join(f"{first}:{last}" for first, last in roi),
+        "roi": (
+            roi
+            if roi is None or isinstance(roi, str)
+            else ",".join(f"{first}:{last}" for first, last in roi)
+        ),
         "max-memory": None if max_memory is None else str(max_memory),
         "raw-size": None if raw_size is None else ",".join(str(int(n)) for n in raw_size),
         "raw-type": raw_type,
@@ -126,14 +148,14 @@ def _lengths(lengths: Sequence[float] | str | None) -> str | None:
 
 
 def read_mesh(path: str | os.PathLike[str]) -> Mesh:
-    """Read a mesh, or the levels of a ``.glb`` or ``.vtm``.
+    """Read a mesh, or all levels of a ``.glb`` or ``.vtm``.
 
-    Polygons are cut into triangles; corners of an STL file at equal positions are one vertex.
+    Polygons are split into triangles. Corners of an STL file at equal positions become one vertex.
 
     Raises
     ------
     BadFileError
-        An ``OSError``: missing, truncated, malformed.
+        An ``OSError``: a file that is missing, truncated or malformed.
     UnsupportedError
         A ``ValueError``: an unknown extension.
     """

@@ -19,27 +19,31 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Volume:
-    """Samples on a grid, as `read` makes them of a file. `extract` and `check` take one in place of an array.
+    """Samples on a grid: the result of `read`, and an input of `extract` and `check`.
 
-    The position of the sample ``array[z, y, x]`` in the world is ``origin + direction @ (spacing * (x, y, z))``.
+    The sample ``array[z, y, x]`` is at ``origin + direction @ (spacing * (x, y, z))`` in world
+    coordinates.
 
     Attributes
     ----------
-    array : ndarray, 3-D
-        The samples in their native type, indexed ``[z, y, x]``: x runs fastest in memory. It may be changed.
+    array : (NZ, NY, NX) ndarray
+        The samples in the type of the file, indexed ``[z, y, x]``; x runs fastest in memory. You
+        may change the samples.
     spacing : (x, y, z)
-        World length of one step along each axis, in ``unit``; millimetres for medical formats.
+        Distance between samples along each axis, in ``unit``; in millimetres for medical formats.
     origin : (x, y, z)
         World position of the sample ``array[0, 0, 0]``.
-    direction : 3 x 3, rows first
-        Its columns are the unit vectors of the x, y and z axis.
+    direction : 3 x 3, row by row
+        The columns are the unit vectors of the x, y and z axes.
     path : str or None
-        The file it was read from.
+        The file that the volume was read from.
     unit : str or None
-        Unit of the world's lengths: ``"nm"``, ``"um"``, ``"mm"``, ``"cm"``, ``"m"``, ``"A"``, ``"in"``; None where it is not known. A
-        length with a unit, as ``max_distance="0.5um"``, is converted to it.
+        Unit of lengths in world coordinates: ``"nm"``, ``"um"``, ``"mm"``, ``"cm"``, ``"m"``,
+        ``"A"`` or ``"in"``; None if it is unknown. A length with a unit, such as
+        ``max_distance="0.5um"``, is converted to it.
     source : VolumeSource or None
-        How the file was understood: ``format``, ``reader``, ``decisions``, ``choices`` and ``warnings``.
+        How the file was understood: ``format``, ``reader``, ``decisions``, ``choices`` and
+        ``warnings``.
     """
 
     array: Array
@@ -52,11 +56,15 @@ class Volume:
 
     def __post_init__(self) -> None:
         if self.unit is not None and not _core.length_unit(self.unit):
-            raise BadArgumentError(f"unit: expected one of nm, um, mm, cm, m, A, in or None, got {self.unit!r}")
+            raise BadArgumentError(
+                f"unit: expected one of nm, um, mm, cm, m, A, in or None, got {self.unit!r}"
+            )
 
     def __repr__(self) -> str:
         size = " x ".join(str(n) for n in reversed(self.array.shape))
-        spacing = " x ".join(f"{s:g}" for s in self.spacing) + (f" {self.unit}" if self.unit else "")
+        spacing = " x ".join(f"{s:g}" for s in self.spacing) + (
+            f" {self.unit}" if self.unit else ""
+        )
         where = "" if self.path is None else f", {os.fspath(self.path)!r}"
         return f"<isoatlas.Volume: {size} {self.array.dtype}, spacing {spacing}{where}>"
 
@@ -68,14 +76,32 @@ def core_volume(
     direction: npt.ArrayLike | None,
     order: str | None,
 ) -> _core.ArrayVolume:
-    """An array and its geometry, or a `Volume`, for the extension."""
+    """Convert an array with its geometry, or a `Volume`, to the form of the extension.
+
+    Raises
+    ------
+    BadArgumentError
+        Geometry with a `Volume`, which has its own; or geometry of a wrong shape.
+    UnsupportedError
+        The samples cannot be meshed, see `as_samples`.
+    TypeError
+        ``volume`` is a path.
+    """
     if isinstance(volume, Volume):
-        given = {"spacing": tuple(spacing) != UNIT, "origin": tuple(origin) != ZERO, "direction": direction is not None}
+        given = {
+            "spacing": tuple(spacing) != UNIT,
+            "origin": tuple(origin) != ZERO,
+            "direction": direction is not None,
+        }
         for name, is_given in given.items():
             if is_given:
-                raise BadArgumentError(f"{name}: the volume has its own, expected {name} with an array only")
+                raise BadArgumentError(
+                    f"{name}: the volume has its own, expected {name} with an array only"
+                )
         if order not in (None, "xyz"):
-            raise BadArgumentError(f"order: a Volume is 'xyz', got {order!r}; pass its array for another")
+            raise BadArgumentError(
+                f"order: a Volume is 'xyz', got {order!r}; pass its array for another"
+            )
         return _core.ArrayVolume(
             as_samples(volume.array),
             "xyz",

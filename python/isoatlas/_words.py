@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of options as the command line takes them: so both have the same domains, defaults and messages."""
+"""Converts values of options to the texts that the command line accepts.
+
+Python and the command line therefore share domains, defaults and messages.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,13 @@ Refine = Union[LevelSpec, Sequence[LevelSpec]]
 
 
 def word(name: str, value: object) -> str:
-    """The value as text, exactly."""
+    """The exact value as text.
+
+    Raises
+    ------
+    TypeError
+        ``value`` is neither a real number nor a text; the message names the argument ``name``.
+    """
     if isinstance(value, str):
         return value
     if isinstance(value, numbers.Integral) and not isinstance(value, bool):
@@ -30,18 +39,33 @@ def word(name: str, value: object) -> str:
 
 
 def words(options: Mapping[str, object]) -> Words:
-    """Those that are not None, with the names of the command line."""
-    return [(name.replace("_", "-"), word(name, value)) for name, value in options.items() if value is not None]
+    """The options that are not None, under their names on the command line."""
+    return [
+        (name.replace("_", "-"), word(name, value))
+        for name, value in options.items()
+        if value is not None
+    ]
 
 
 def isovalue(name: str, value: object) -> str:
-    """An isovalue is a double: of an integer that is none, the surface would be another one."""
-    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(float(int(value))) != int(value):
+    """The isovalue as text.
+
+    Raises
+    ------
+    BadArgumentError
+        An integer that float64 cannot hold: the rounded value would have another isosurface.
+    """
+    if (
+        isinstance(value, numbers.Integral)
+        and not isinstance(value, bool)
+        and int(float(int(value))) != int(value)
+    ):
         raise BadArgumentError(f"{name}: expected a number that is a float64, got {int(value)}")
     return word(name, value)
 
 
 def levels(refine: Refine | None) -> list[str | Words]:
+    """The constraints of each refined level: a text of ``--refine``, or options."""
     if refine is None:
         return []
     if isinstance(refine, (str, Mapping)):
@@ -53,7 +77,15 @@ def levels(refine: Refine | None) -> list[str | Words]:
         elif isinstance(spec, Mapping):
             if not spec:
                 raise BadArgumentError("refine: expected at least one bound for a level, got {}")
-            specs.append([(name.replace("_", "-"), word(f"refine: {name}", bound)) for name, bound in spec.items()])
+            specs.append(
+                [
+                    (name.replace("_", "-"), word(f"refine: {name}", bound))
+                    for name, bound in spec.items()
+                ]
+            )
         else:
-            raise TypeError(f"refine: expected a text like 'max-distance:0.5vx', a dict like {{'max-distance': 0.5}}, or a list of them, got {spec!r}")
+            raise TypeError(
+                "refine: expected a text like 'max-distance:0.5vx', "
+                f"a dict like {{'max-distance': 0.5}}, or a list of them, got {spec!r}"
+            )
     return specs

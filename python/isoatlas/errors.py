@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What isoatlas raises. The text of an error is the line that the command line prints after ``isoatlas: error:``, with the names of
-arguments as Python has them.
+"""Exceptions of isoatlas.
 
-Every class is also the built-in exception that one would expect, so ``except ValueError`` works as well as ``except isoatlas.Error``.
-A wrong type of an argument is a plain ``TypeError``.
+The text of an error is the line that the command line prints after ``isoatlas: error:``, with the
+names that the arguments have in Python.
+
+Each class also derives from the matching built-in exception, so ``except ValueError`` works as well
+as ``except isoatlas.Error``. An argument of a wrong type raises a plain ``TypeError``.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ __all__ = [
 
 
 class Error(Exception):
-    """The base of them all. ``code`` is the name of the library's ``ErrorCode``."""
+    """Base class of all errors. ``code`` is the name of the library's ``ErrorCode``."""
 
     code: str = "internal"
 
@@ -39,13 +41,16 @@ class BadFileError(Error, OSError):
 
 
 class UnsupportedError(Error, ValueError):
-    """An array or a file is well formed, but not what isoatlas meshes: NaN without ``nan=``, a 2-D image, complex samples."""
+    """A well-formed array or file that isoatlas cannot mesh.
+
+    Examples: NaN without ``nan=``, a 2-D image, complex samples.
+    """
 
     code = "unsupported"
 
 
 class EmptySurfaceError(Error, ValueError):
-    """There is no isosurface at this isovalue; the text gives the range of the samples."""
+    """There is no isosurface at this isovalue. The text states the range of the samples."""
 
     code = "empty_surface"
 
@@ -57,10 +62,16 @@ class OutOfMemoryError(Error, MemoryError):
 
 
 class InternalError(Error, RuntimeError):
-    """A check of isoatlas on its own result failed: a bug, please report it. No mesh that failed a check is ever returned."""
+    """A check of isoatlas on its own result failed. This is a bug; please report it.
+
+    A mesh that fails a check is never returned.
+    """
 
     code = "internal"
 
 
 class FileWarning(UserWarning):
-    """Something about a file had to be assumed when it was read, or is not as promised when it is written; the text says what."""
+    """A reader had to assume something about a file, or a written file differs from the guarantees.
+
+    The text gives the details.
+    """

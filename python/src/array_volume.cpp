@@ -13,12 +13,11 @@ namespace {
 
 Vec3 vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// The axes of the array, the one along which memory runs fastest first. Throws unless the samples
-/// fill their memory in that order.
+/// The axes of the array, sorted from the smallest stride to the largest.
+/// @throws std::invalid_argument unless the samples fill their memory without gaps in that order
 std::array<int, 3> axes_in_memory(const py::array& array) {
-  std::array<int, 3> axes{
-      2, 1,
-      0};  // an axis with one sample can have any stride: equal strides stay in the order of C
+  // An axis with one sample can have any stride. Axes with equal strides keep C order.
+  std::array<int, 3> axes{2, 1, 0};
   std::ranges::stable_sort(axes, {}, [&](int axis) { return array.strides(axis); });
   py::ssize_t expected = array.itemsize();
   for (const int axis : axes) {
@@ -36,7 +35,7 @@ SampleType sample_type_of(const py::dtype& type) {
     const auto sample_type = static_cast<SampleType>(i);
     if (type.equal(py::dtype(std::string(name(sample_type))))) return sample_type;
   }
-  throw std::invalid_argument("the array's dtype is no sample type");
+  throw std::invalid_argument("the array's dtype is not a sample type");
 }
 
 VolumeView ArrayVolume::view() const {

@@ -11,16 +11,16 @@ using Triple = std::array<double, 3>;
 
 Triple triple(Vec3 v) { return {v.x, v.y, v.z}; }
 
-/// There and back.
-Vec3 as_ras(Vec3 p, Space space) { return space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p; }
+/// Converts from LPS to the given space, or back: the conversion is its own inverse.
+Vec3 negated_if_ras(Vec3 p, Space space) { return space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p; }
 
-void turn_over(std::vector<Triangle>& triangles) {
+void reverse_triangles(std::vector<Triangle>& triangles) {
   for (Triangle& t : triangles) std::swap(t[1], t[2]);
 }
 
 }  // namespace
 
-bool Axes::mirrors() const {
+bool Axes::is_mirrored() const {
   int swaps = 0;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < i; ++j) swaps += of_[j] > of_[i] ? 1 : 0;
@@ -40,7 +40,7 @@ Vec3 Axes::to_caller(Vec3 library) const {
 }
 
 Grid Axes::to_library(const Grid& caller) const {
-  Grid grid = caller;  // and its unit
+  Grid grid = caller;  // copies the unit
   grid.spacing = to_library(caller.spacing);
   grid.origin = to_library(caller.origin);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -52,33 +52,33 @@ Grid Axes::to_library(const Grid& caller) const {
 
 void Axes::to_library(TriangleMesh& mesh, Space space) const {
   if (is_same()) return;
-  for (Vec3& p : mesh.positions) p = to_library(as_ras(p, space));
-  if (mirrors()) turn_over(mesh.triangles);
+  for (Vec3& p : mesh.positions) p = to_library(negated_if_ras(p, space));
+  if (is_mirrored()) reverse_triangles(mesh.triangles);
 }
 
 void Axes::to_caller(Measurement& measurement, Space space) const {
   if (is_same()) return;
   for (OneSidedDistance* side : {&measurement.mesh_to_surface, &measurement.surface_to_mesh}) {
-    side->farthest = as_ras(to_caller(side->farthest), space);
+    side->farthest = negated_if_ras(to_caller(side->farthest), space);
   }
 }
 
 void Axes::to_caller(Extraction& extraction, Space space) const {
   if (is_same()) return;
-  const auto move = [&](Vec3& place) { place = as_ras(to_caller(place), space); };
+  const auto convert = [&](Vec3& p) { p = negated_if_ras(to_caller(p), space); };
   Hierarchy& hierarchy = extraction.hierarchy;
-  for (Vec3& p : hierarchy.positions) move(p);
-  if (hierarchy.float32_origin) move(*hierarchy.float32_origin);
+  for (Vec3& p : hierarchy.positions) convert(p);
+  if (hierarchy.float32_origin) convert(*hierarchy.float32_origin);
   for (Hierarchy::Level& level : hierarchy.levels) {
-    for (Vec3& p : level.own_positions) move(p);
-    if (mirrors()) turn_over(level.triangles);
+    for (Vec3& p : level.own_positions) convert(p);
+    if (is_mirrored()) reverse_triangles(level.triangles);
   }
-  for (RankedComponent& component : extraction.report.kept) move(component.position);
-  for (RankedComponent& component : extraction.report.dropped) move(component.position);
+  for (RankedComponent& component : extraction.report.kept) convert(component.position);
+  for (RankedComponent& component : extraction.report.dropped) convert(component.position);
   for (LevelReport& level : extraction.report.levels) {
-    for (CellAtLimit& cell : level.at_limit) move(cell.position);
-    for (Vec3& place : level.self_intersection_positions) move(place);
-    for (BadTriangle& triangle : level.bad_triangles) move(triangle.position);
+    for (CellAtLimit& cell : level.at_limit) convert(cell.position);
+    for (Vec3& p : level.self_intersection_positions) convert(p);
+    for (BadTriangle& triangle : level.bad_triangles) convert(triangle.position);
     if (level.measured) to_caller(*level.measured, space);
   }
 }

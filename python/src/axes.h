@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays have their axes in one order, coordinates are wanted in another, and the library has one
-// of its own.
+// Conversion of coordinates between the caller's order of axes and the library's order.
 #pragma once
 
 #include <array>
@@ -12,18 +11,18 @@
 
 namespace isoatlas::detail::python {
 
-/// Which coordinate of the caller's each axis of the library is: x, the one along which samples are
-/// neighbours in memory, is coordinate of[0], y is of[1], z is of[2]. Samples never move for the
-/// sake of it: points do.
+/// The caller's coordinate for each axis of the library. The library's x axis is the one with the
+/// smallest stride in memory; it is the caller's coordinate of[0]. Likewise y is of[1] and z is
+/// of[2]. Samples are never reordered; points are converted.
 ///
-/// Where coordinates are swapped an odd number of times, what is seen is a mirror image, so
-/// triangles are turned over: they face outward in either's coordinates.
+/// An odd permutation mirrors space. Triangles are then reversed, so that they face outward in both
+/// systems of coordinates.
 class Axes {
  public:
   explicit Axes(const std::array<int, 3>& of) : of_(of) {}
 
-  /// RAS is x and y negated; where these are not the library's x and y, it has to be asked for LPS,
-  /// and what follows negates.
+  /// The output space to request from the library. RAS negates the caller's x and y. If these are
+  /// not the library's x and y, this is LPS, and to_caller() negates.
   Space space_in_library(Space caller) const {
     return caller == Space::ras && !is_same() ? Space::lps : caller;
   }
@@ -33,13 +32,13 @@ class Axes {
   void to_library(TriangleMesh& mesh, Space space) const;
 
   Vec3 to_caller(Vec3 library) const;
-  void to_caller(Extraction& extraction,
-                 Space space) const;  ///< triangles and all places in its report
+  /// Converts vertices, triangles and all positions in the report.
+  void to_caller(Extraction& extraction, Space space) const;
   void to_caller(Measurement& measurement, Space space) const;
 
  private:
   bool is_same() const { return of_ == std::array{0, 1, 2}; }
-  bool mirrors() const;
+  bool is_mirrored() const;  ///< the permutation is odd
 
   std::array<int, 3> of_;
 };

@@ -51,17 +51,17 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices,
     axes = volume->axes;
     if (distance.options.space == Space::ras && !volume->is_xyz)
       throw Error(ErrorCode::bad_argument,
-                  "space: ras is about x, y and z, expected order='xyz' with it");
+                  "space: ras needs the coordinates x, y, z, expected order='xyz' with it");
     distance.volume_path = volume->path;
   }
   const auto work = [mesh, self_intersections, view, axes,
-                     wanted = distance](const RunControl& control) {
+                     requested = distance](const RunControl& control) {
     const MeshTopology topology = mesh_topology(*mesh);
     const MeshQuality quality = mesh_quality(*mesh);
     control.check_cancelled();
-    std::optional<SelfIntersectionReport> meetings;
-    if (self_intersections) meetings = find_self_intersections(*mesh, control);
-    DistanceReport found = wanted;
+    std::optional<SelfIntersectionReport> intersections;
+    if (self_intersections) intersections = find_self_intersections(*mesh, control);
+    DistanceReport found = requested;
     if (axes) {
       const Space space = found.options.space;
       MeasureOptions options = found.options;
@@ -74,11 +74,13 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices,
       }
       axes->to_caller(found.measured, space);
     }
-    return to_json("", topology, quality, meetings ? &*meetings : nullptr, axes ? &found : nullptr);
+    return to_json("", topology, quality, intersections ? &*intersections : nullptr,
+                   axes ? &found : nullptr);
   };
-  return make_interruptibly(work, {.progress = progress,
-                                   .threads = threads,
-                                   .keep_alive = volume ? py::object(volume->array) : py::none()});
+  return compute_interruptibly(work,
+                               {.progress = progress,
+                                .threads = threads,
+                                .keep_alive = volume ? py::object(volume->array) : py::none()});
 }
 
 }  // namespace isoatlas::detail::python

@@ -12,12 +12,12 @@
 
 namespace isoatlas::detail::python {
 
-/// What `isoatlas check --json` says of a mesh.
+/// The JSON that `isoatlas check --json` prints for a mesh.
 /// @param vertices  V x 3
 /// @param faces     F x 3, corners < V
-/// @param volume    none: no distance is measured
-/// @param measure   names as on the command line, without dashes
-/// @throws Error as mesh_topology(), self_intersections() and measure()
+/// @param volume    if missing, no distance is measured
+/// @param measure   options of the measurement, named as on the command line, without dashes
+/// @throws Error like mesh_topology(), find_self_intersections() and measure()
 std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices,
                        const py::array_t<std::uint32_t, py::array::c_style>& faces,
                        bool self_intersections, const std::optional<ArrayVolume>& volume,

@@ -22,7 +22,7 @@ const char* class_name(ErrorCode code) {
     case ErrorCode::empty_surface:
       return "EmptySurfaceError";
     case ErrorCode::internal:
-    case ErrorCode::cancelled:  // whoever cancels has an exception of their own to throw
+    case ErrorCode::cancelled:  // run_interruptibly() throws the exception that caused it
       return "InternalError";
     case ErrorCode::out_of_memory:
       return "OutOfMemoryError";
@@ -34,7 +34,7 @@ std::string error_text(const Error& error) {
   switch (error.remedy()) {
     case Remedy::place_nan:
       return error.problem() +
-             ": say with nan='below' or nan='above' on which side of the isovalue NaN lies";
+             ": set nan='below' or nan='above', the side of the isovalue on which NaN lies";
     case Remedy::only_coarse:
       return error.problem() + "; use coarse=True, or resample the volume to a box-shaped grid";
     case Remedy::allow_memory:

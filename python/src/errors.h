@@ -5,8 +5,8 @@
 
 namespace isoatlas::detail::python {
 
-/// Makes an exception of isoatlas.errors of each Error that leaves a function of this module: one
-/// class per code.
+/// Registers the translation of each Error that leaves a function of this module into an exception
+/// of isoatlas.errors: one class per error code. Call it once, when the module is loaded.
 void translate_errors();
 
 }  // namespace isoatlas::detail::python

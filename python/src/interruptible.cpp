@@ -22,28 +22,31 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLook = 50ms;    // between looks at signals
-constexpr auto kGrace = 500ms;  // for the work to notice `cancel`: what is promised is a second
+constexpr auto kPollInterval = 50ms;  // between two checks for signals
+// Time for the work to notice `cancel`. Callers are promised one second in total.
+constexpr auto kGracePeriod = 500ms;
 
-struct News {
+struct ProgressReport {
   std::string stage;
   double fraction = 0;
 };
 
-/// What the work and who waits for it have in common; it outlives both.
-struct Shared {
+/// State that the work and the waiting thread share. Each of them keeps it alive.
+struct SharedState {
   std::atomic<bool> cancel{false};
-  std::mutex mutex;  // guards what follows
+  std::mutex mutex;  // guards all following members
   std::condition_variable changed;
   bool is_done = false;
   std::exception_ptr error;
-  std::vector<News> news;  ///< since the last look, one entry per stage: none of them goes unseen,
-                           ///< and nobody calls Python a million times
+  /// Progress since the previous poll, one entry per stage: every stage is reported, but Python is
+  /// not called for every step.
+  std::vector<ProgressReport> reports;
 
-  void tell(std::string_view stage, double fraction) {
+  void report(std::string_view stage, double fraction) {
     const std::lock_guard lock(mutex);
-    if (news.empty() || news.back().stage != stage) news.push_back({std::string(stage), fraction});
-    news.back().fraction = fraction;
+    if (reports.empty() || reports.back().stage != stage)
+      reports.push_back({std::string(stage), fraction});
+    reports.back().fraction = fraction;
   }
 
   void finish(std::exception_ptr thrown) {
@@ -54,70 +57,72 @@ struct Shared {
   }
 };
 
-struct GivenUp {
-  std::shared_ptr<Shared> shared;
+struct AbandonedWork {
+  std::shared_ptr<SharedState> shared;
   std::thread thread;
   py::object keep_alive;
   std::function<void()> discard;
 };
 
-// Guarded by the interpreter's lock. Never destroyed: at the end of the process there is no
-// interpreter to return objects to.
-std::vector<GivenUp>& given_up() {
-  static auto* const list = new std::vector<GivenUp>;
+// Guarded by the interpreter's lock. Never destroyed: at the end of the process no interpreter is
+// left that could release the Python objects.
+std::vector<AbandonedWork>& abandoned() {
+  static auto* const list = new std::vector<AbandonedWork>;
   return *list;
 }
 
-bool is_done(Shared& shared) {
+bool is_done(SharedState& shared) {
   const std::lock_guard lock(shared.mutex);
   return shared.is_done;
 }
 
-void forget_what_has_ended() {
-  std::erase_if(given_up(), [](GivenUp& work) {
+void remove_finished_work() {
+  std::erase_if(abandoned(), [](AbandonedWork& work) {
     if (!is_done(*work.shared)) return false;
     work.thread.join();
     return true;
   });
 }
 
-/// What work uses is taken down at the end of the process, under work that still goes on. So the
-/// process ends without that; the interpreter is finished by then, and the status known.
-void end_at_once(int status, void* /*unused*/) {
-  if (std::ranges::all_of(given_up(), [](const GivenUp& work) { return is_done(*work.shared); }))
+/// An exit handler. A normal exit would destroy static objects that abandoned work still uses, so
+/// the process ends here without that. The interpreter has already ended and `status` is final.
+void exit_immediately(int status, void* /*unused*/) {
+  if (std::ranges::all_of(abandoned(),
+                          [](const AbandonedWork& work) { return is_done(*work.shared); }))
     return;
-  for (const GivenUp& work : given_up()) {
+  for (const AbandonedWork& work : abandoned()) {
     if (work.discard && !is_done(*work.shared)) work.discard();
   }
   std::fflush(nullptr);
   _exit(status);
 }
 
-void give_up(GivenUp work) {
-  given_up().push_back(std::move(work));
-  on_exit(&end_at_once, nullptr);  // each time: what is registered last is called first
+void abandon(AbandonedWork work) {
+  abandoned().push_back(std::move(work));
+  // Registered each time, so that it is called first: handlers run in reverse order.
+  on_exit(&exit_immediately, nullptr);
 }
 
-/// @return whether the work came back in time
-bool cancel(Shared& shared) {
+/// @return whether the work ended within the grace period
+bool cancel(SharedState& shared) {
   shared.cancel = true;
   const py::gil_scoped_release release;
   std::unique_lock lock(shared.mutex);
-  return shared.changed.wait_for(lock, kGrace, [&] { return shared.is_done; });
+  return shared.changed.wait_for(lock, kGracePeriod, [&] { return shared.is_done; });
 }
 
 }  // namespace
 
-void run_interruptibly(std::function<void(const RunControl&)> work, const Watch& watch) {
-  forget_what_has_ended();
-  const auto shared = std::make_shared<Shared>();
-  const bool is_watched = !watch.progress.is_none();
+void run_interruptibly(std::function<void(const RunControl&)> work, const RunOptions& options) {
+  remove_finished_work();
+  const auto shared = std::make_shared<SharedState>();
+  const bool reports_progress = !options.progress.is_none();
   std::thread thread(
-      [shared, is_watched, threads = watch.threads, work = std::move(work)]() mutable {
+      [shared, reports_progress, threads = options.threads, work = std::move(work)]() mutable {
         RunControl control{.progress = {}, .cancel = &shared->cancel, .threads = threads};
-        if (is_watched)
+        if (reports_progress)
           control.progress = [&](std::string_view stage, double fraction) {
-            shared->tell(stage, fraction);
+            shared->report(stage, fraction);
           };
         std::exception_ptr error;
         try {
@@ -125,36 +130,36 @@ void run_interruptibly(std::function<void(const RunControl&)> work, const Watch&
         } catch (...) {
           error = std::current_exception();
         }
-        work = nullptr;  // who waits may use what the work had
+        work = nullptr;  // releases its resources before the waiting thread continues
         shared->finish(std::move(error));
       });
 
   try {
     for (bool is_done = false; !is_done;) {
-      std::vector<News> news;
+      std::vector<ProgressReport> reports;
       {
         const py::gil_scoped_release release;
         std::unique_lock lock(shared->mutex);
-        is_done = shared->changed.wait_for(lock, kLook, [&] { return shared->is_done; });
-        news.swap(shared->news);
+        is_done = shared->changed.wait_for(lock, kPollInterval, [&] { return shared->is_done; });
+        reports.swap(shared->reports);
       }
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      for (const News& item : news) watch.progress(item.stage, item.fraction);
+      for (const ProgressReport& it : reports) options.progress(it.stage, it.fraction);
     }
   } catch (...) {
     if (cancel(*shared))
       thread.join();
     else
-      give_up({shared, std::move(thread), watch.keep_alive, watch.discard});
+      abandon({shared, std::move(thread), options.keep_alive, options.discard});
     throw;
   }
   thread.join();
   if (shared->error) std::rethrow_exception(shared->error);
 }
 
-std::size_t given_up_work() {
-  forget_what_has_ended();
-  return given_up().size();
+std::size_t abandoned_work_count() {
+  remove_finished_work();
+  return abandoned().size();
 }
 
 }  // namespace isoatlas::detail::python

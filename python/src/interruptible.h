@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Long work, called from Python: without the interpreter's lock, watched, and stopped by Ctrl-C
-// within a second.
+// Long computations, called from Python: they run without the interpreter's lock, report progress,
+// and end within a second after Ctrl-C.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -17,39 +17,40 @@ namespace isoatlas::detail::python {
 
 namespace py = pybind11;
 
-/// How work is watched, and what it must not lose.
-struct Watch {
-  py::object progress = py::none();  ///< called as progress(stage, fraction) on the calling thread,
-                                     ///< some 20 times a second; or None
-  int threads = 0;                   ///< 0: as many as the machine has
-  py::object keep_alive = py::none();  ///< what the work reads without owning it
-  std::function<void()> discard = {};  ///< removes what it has half written; called beside it if
-                                       ///< the process ends before it does
+/// How a computation runs, and the resources it needs until its end.
+struct RunOptions {
+  /// Called as progress(stage, fraction) on the calling thread, about 20 times a second; or None.
+  py::object progress = py::none();
+  int threads = 0;  ///< 0: as many as the machine has
+  /// An object whose memory the work reads without owning it.
+  py::object keep_alive = py::none();
+  /// Removes incomplete files. Called concurrently with the work if the process ends first.
+  std::function<void()> discard = {};
 };
 
-/// Runs `work` on a thread of its own. This one waits without the interpreter's lock, and takes it
-/// now and then to look for signals and to call `progress`. What a signal's handler or `progress`
-/// raises sets `RunControl::cancel` and is thrown from here.
+/// Runs `work` on a new thread. The calling thread waits without the interpreter's lock; about 20
+/// times a second it takes the lock, handles signals and calls `progress`. If a signal handler or
+/// `progress` raises an exception, `RunControl::cancel` is set and the exception is thrown.
 ///
-/// Work that does not come back soon after that (a file being read, say) goes on by itself, to no
-/// effect, until it looks at `cancel`, or is done, or the process ends. So `work` must own what it
-/// uses, `keep_alive` apart, and hold no Python object; and it must look at `cancel` before
-/// anything that others would see.
-void run_interruptibly(std::function<void(const RunControl&)> work, const Watch& watch);
+/// Work that does not end soon after that, such as reading a large file, is abandoned: it runs
+/// until it checks `cancel`, or is done, or the process ends, and its result is dropped. So `work`
+/// must own everything it uses except `keep_alive`, must not contain a Python object, and must
+/// check `cancel` before each effect that is visible outside.
+/// @throws the error of `work`; py::error_already_set for a signal handler or `progress`
+void run_interruptibly(std::function<void(const RunControl&)> work, const RunOptions& options);
 
-/// The same for work that makes something. Results are handed over only if the work was not given
-/// up.
+/// Like run_interruptibly(), and returns the result of `work`.
 template <class Work>
-auto make_interruptibly(Work work, const Watch& watch) {
+auto compute_interruptibly(Work work, const RunOptions& options) {
   using Result = decltype(work(std::declval<const RunControl&>()));
   const auto result = std::make_shared<std::optional<Result>>();
   run_interruptibly([result, work = std::move(work)](
                         const RunControl& control) { result->emplace(work(control)); },
-                    watch);
+                    options);
   return std::move(**result);
 }
 
-/// How much work was given up and still goes on.
-std::size_t given_up_work();
+/// Number of abandoned computations that are still running.
+std::size_t abandoned_work_count();
 
 }  // namespace isoatlas::detail::python

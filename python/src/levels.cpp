@@ -28,26 +28,26 @@ std::string python_name(std::string name) {
   return name;
 }
 
-/// What goes wrong is said of an option by the name that Python has for it.
+/// Runs `work`; an error is reported for the option, by its name in Python.
 template <class Work>
-auto of_option(const std::string& name, Work measured) {
+auto with_option_name(const std::string& name, Work work) {
   try {
-    return measured();
+    return work();
   } catch (const Error& error) {
     throw Error(error.code(), python_name(name) + ": " + error.what());
   }
 }
 
-/// parse_bound() begins its messages with the quantity's name, as the command line has it.
+/// Errors of parse_bound() begin with the name of the quantity on the command line.
 TypedConstraint constraint_of(const std::string& name, const std::string& text) {
   const auto quantity = quantity_named(name);
-  if (!quantity) return parse_level(name + ":" + text).front();  // which says what there is
+  if (!quantity) return parse_level(name + ":" + text).front();  // throws: lists the quantities
   return parse_bound(*quantity, text);
 }
 
 TypedGoals goals_of(const ExtractWords& words) {
   if (words.coarse && !words.refine.empty())
-    refuse("coarse makes only the coarsest level, expected it without refine");
+    refuse("coarse keeps only the coarsest level, expected it without refine");
   std::vector<GoalArgument> arguments;
   for (const auto& [name, text] : words.constraints) {
     try {
@@ -61,7 +61,7 @@ TypedGoals goals_of(const ExtractWords& words) {
   }
   for (const auto& level : words.refine) {
     GoalArgument argument{true, {}};
-    of_option("refine", [&] {
+    with_option_name("refine", [&] {
       if (const auto* text = std::get_if<std::string>(&level))
         argument.constraints = parse_level(*text);
       if (const auto* pairs = std::get_if<Words>(&level))
@@ -76,13 +76,14 @@ TypedGoals goals_of(const ExtractWords& words) {
 ExtractSettings settings_of(const ExtractWords& words) {
   ExtractSettings settings;
   for (const auto& [name, text] : words.settings)
-    of_option(name, [&, &name = name, &text = text] { set(settings, name, text); });
+    with_option_name(name, [&, &name = name, &text = text] { set(settings, name, text); });
   settings.options.allow_self_intersections = words.allow_self_intersections;
   settings.goals = goals_of(words);
   return settings;
 }
 
-/// The library's message has samples in an order of its own.
+/// Replaces the index of the first sample that is not finite, which the library states in its own
+/// order of axes, by the index in the caller's array.
 Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite rule) {
   if (error.code() != ErrorCode::unsupported || rule != NonFinite::refuse) return error;
   const SampleSummary summary = summarize(volume.view());
@@ -98,7 +99,7 @@ Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite 
           error.remedy()};
 }
 
-/// A warning about the first file in which rounding causes self-intersections, or empty.
+/// A warning about the first file in which rounding causes self-intersections, or an empty text.
 std::string warning_of(const std::vector<ReportFile>& files) {
   for (const ReportFile& file : files) {
     for (std::size_t i = 0; i < file.self_intersections.size(); ++i) {
@@ -123,44 +124,44 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   const ExtractSettings settings = settings_of(words);
   const Space space = settings.options.space;
   if (space == Space::ras && !volume.is_xyz)
-    refuse("space: ras is about x, y and z, expected order='xyz' with it");
+    refuse("space: ras needs the coordinates x, y, z, expected order='xyz' with it");
   const VolumeView view = volume.view();
   auto levels = std::make_shared<Levels>();
-  Levels::Made& made = levels->made.emplace();
-  made.context.volume.path = volume.path;
-  made.context.volume.source = volume.source;
-  made.context.volume.grid = volume.grid;
-  made.context.volume.sample_type = view.type;
-  made.context.options = in_world(settings, view.grid);
-  made.context.threads = settings.threads;
+  Levels::Extracted& extracted = levels->extracted.emplace();
+  extracted.context.volume.path = volume.path;
+  extracted.context.volume.source = volume.source;
+  extracted.context.volume.grid = volume.grid;
+  extracted.context.volume.sample_type = view.type;
+  extracted.context.options = in_world(settings, view.grid);
+  extracted.context.threads = settings.threads;
 
-  ExtractOptions options = made.context.options;
+  ExtractOptions options = extracted.context.options;
   options.space = volume.axes.space_in_library(space);
-  const auto measured = [view, options](const RunControl& control) {
+  const auto work = [view, options](const RunControl& control) {
     require_memory_for_supersampling(view, options, 0, control);
     const std::string digest = sample_digest(view);
     return std::pair(extract(view, options, control), digest);
   };
   Extraction extraction;
   try {
-    std::tie(extraction, made.context.volume.sample_digest) = make_interruptibly(
-        measured, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
+    std::tie(extraction, extracted.context.volume.sample_digest) = compute_interruptibly(
+        work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
   } catch (const Error& error) {
     throw error_of_file(error_of_samples(error, volume, settings.options.surface.non_finite),
                         volume.path);
   }
   volume.axes.to_caller(extraction, space);
   levels->hierarchy = std::move(extraction.hierarchy);
-  made.report = std::move(extraction.report);
-  made.context.peak_memory_bytes = peak_memory_bytes();
-  levels->info = file_info(made.report, made.context.options, view.grid.unit);
+  extracted.report = std::move(extraction.report);
+  extracted.context.peak_memory_bytes = peak_memory_bytes();
+  levels->info = file_info(extracted.report, extracted.context.options, view.grid.unit);
   if (!volume.is_xyz && space != Space::voxel)
-    levels->info.mesh.space.clear();  // nobody said what the array's axes are
+    levels->info.mesh.space.clear();  // the meaning of the array's axes is unknown
   return levels;
 }
 
 std::shared_ptr<Levels> read_levels(const std::string& path) {
-  return make_interruptibly(
+  return compute_interruptibly(
       [path](const RunControl&) {
         auto levels = std::make_shared<Levels>();
         HierarchyFile file = isoatlas::read_levels(path);
@@ -174,13 +175,13 @@ std::shared_ptr<Levels> read_levels(const std::string& path) {
 
 namespace {
 
-/// rows x 3 of somebody else's numbers.
+/// A read-only rows x 3 view of numbers that `owner` keeps alive.
 template <class Number>
 py::array view_of(const void* numbers, std::size_t rows, const std::shared_ptr<Levels>& owner) {
   const py::array_t<Number> array({rows, std::size_t{3}}, {3 * sizeof(Number), sizeof(Number)},
                                   static_cast<const Number*>(numbers), py::cast(owner));
-  array.attr("setflags")(py::arg("write") =
-                             false);  // levels share their vertices, and save() writes them
+  // Levels share their vertices, and save() writes them.
+  array.attr("setflags")(py::arg("write") = false);
   return array;
 }
 
@@ -215,52 +216,54 @@ py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level)
 }
 
 std::string report_of(const Levels& levels) {
-  return levels.made ? to_json(levels.made->report, levels.made->context) : std::string();
+  return levels.extracted ? to_json(levels.extracted->report, levels.extracted->context)
+                          : std::string();
 }
 
 std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
                         const std::optional<std::string>& report, bool glb_per_level) {
-  if (report && !levels->made)
+  if (report && !levels->extracted)
     refuse("report: these levels were read from a file, expected a result of extract()");
   const MeshOutputs meshes(path, glb_per_level);
   std::vector<MeshOutputs::Other> others;
   if (report) others.push_back({*report, "report"});
   meshes.check(levels->hierarchy.levels.size(),
-               levels->made ? levels->made->context.volume.path : std::string(), others);
-  const auto files_of_run = std::make_shared<OutputFiles>();
-  const auto tracker = std::make_shared<std::string>();
+               levels->extracted ? levels->extracted->context.volume.path : std::string(), others);
+  const auto output_files = std::make_shared<OutputFiles>();
+  const auto warning = std::make_shared<std::string>();
   run_interruptibly(
-      [levels, report, meshes, files_of_run, tracker](const RunControl& control) {
-        OutputFiles& outputs = *files_of_run;
+      [levels, report, meshes, output_files, warning](const RunControl& control) {
+        OutputFiles& outputs = *output_files;
         const auto started = std::chrono::steady_clock::now();
         HierarchyFileInfo info = levels->info;
-        ExtractReport stated;
-        if (levels->made) {
-          const ReportContext& context = levels->made->context;
-          stated = levels->made->report;
-          state_rounding(stated, meshes.roundings(levels->hierarchy, info.mesh),
+        ExtractReport written_report;
+        if (levels->extracted) {
+          const ReportContext& context = levels->extracted->context;
+          written_report = levels->extracted->report;
+          state_rounding(written_report, meshes.roundings(levels->hierarchy, info.mesh),
                          context.volume.grid, context.options.space);
-          info.levels = file_info(stated, context.options, context.volume.grid.unit).levels;
+          info.levels = file_info(written_report, context.options, context.volume.grid.unit).levels;
         }
-        const bool looks = levels->made && !levels->made->context.options.allow_self_intersections;
-        const std::vector<ReportFile> files =
-            meshes.write(levels->hierarchy, info, outputs, looks ? &control : nullptr);
-        *tracker = warning_of(files);
+        const bool finds_intersections =
+            levels->extracted && !levels->extracted->context.options.allow_self_intersections;
+        const std::vector<ReportFile> files = meshes.write(
+            levels->hierarchy, info, outputs, finds_intersections ? &control : nullptr);
+        *warning = warning_of(files);
         if (report) {
-          ReportContext context = levels->made->context;
+          ReportContext context = levels->extracted->context;
           context.files = files;
           context.write_seconds =
               std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
           context.peak_memory_bytes = peak_memory_bytes();
           outputs.write(*report, [&](const fs::path& staged) {
-            write_text_file(to_json(stated, context), staged);
+            write_text_file(to_json(written_report, context), staged);
           });
         }
         control.check_cancelled();
         outputs.commit();
       },
-      {.discard = [files_of_run] { files_of_run->discard(); }});
-  return *tracker;
+      {.discard = [output_files] { output_files->discard(); }});
+  return *warning;
 }
 
 }  // namespace isoatlas::detail::python

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Python holds of meshes: the levels of an extraction or of a file.
+// The C++ side of isoatlas.Mesh: the levels of an extraction or of a file.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -20,49 +20,51 @@
 
 namespace isoatlas::detail::python {
 
-using Words = std::vector<std::pair<std::string, std::string>>;  ///< options by name: what the
-                                                                 ///< command line would be given
+/// Options: pairs of a name and a value, as texts of the command line.
+using Words = std::vector<std::pair<std::string, std::string>>;
 
-/// What extract() is asked for, in words.
+/// The options of extract() as texts.
 struct ExtractWords {
   Words settings;     ///< names as on the command line, without dashes
   Words constraints;  ///< for all levels
-  std::vector<std::variant<std::string, Words>>
-      refine;  ///< for each further level its own; a text is as --refine takes it
+  /// The constraints of each further level: the text of --refine, or options.
+  std::vector<std::variant<std::string, Words>> refine;
   bool coarse = false, allow_self_intersections = false;
 };
 
-/// Immutable once it is made, so that views into it are safe and it can be written while others
-/// read it.
+/// The levels of a mesh. Immutable after construction, so views of the arrays stay valid, and other
+/// threads may read the levels while they are saved.
 struct Levels {
   Hierarchy hierarchy;
   HierarchyFileInfo info;
-  struct Made {
+  struct Extracted {
     ExtractReport report;
     ReportContext context;
   };
-  std::optional<Made> made;  ///< none: read from a file
+  std::optional<Extracted> extracted;  ///< empty if the levels were read from a file
 };
 
-/// @throws Error as isoatlas::extract() and the options of the command line; names in messages have
-/// underscores
+/// Extracts the isosurface. Messages name options with underscores.
+/// @throws Error like isoatlas::extract() and like the options of the command line
 std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractWords& words,
                                        const py::object& progress);
 
-/// A mesh or levels, by the extension.
+/// Reads a mesh or levels; the extension decides which.
+/// @throws Error(bad_file, unsupported)
 std::shared_ptr<Levels> read_levels(const std::string& path);
 
-/// Views, read-only, which keep `levels` alive.
-py::array vertices_of(const std::shared_ptr<Levels>& levels, std::size_t level);  ///< V x 3 float64
-py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level);     ///< F x 3 uint32
-py::object distance_of(const std::shared_ptr<Levels>& levels,
-                       std::size_t level);  ///< V float32; None: not known
+/// Read-only views, which keep `levels` alive: V x 3 float64, F x 3 uint32, and V float32 or None
+/// if the distances are not known.
+py::array vertices_of(const std::shared_ptr<Levels>& levels, std::size_t level);
+py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level);
+py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level);
 
-/// JSON as the command line's --report has it, without files; empty if they were read.
+/// The JSON of --report, without files; empty if the levels were read from a file.
 std::string report_of(const Levels& levels);
 
-/// Writes what -o, --glb-per-level and --report write; all or nothing.
-/// @return a warning if rounding causes self-intersections in a file, else empty
+/// Writes the files of -o, --glb-per-level and --report: all of them, or none on an error.
+/// @return a warning if rounding causes self-intersections in a file, else an empty text
+/// @throws Error(bad_argument, bad_file, unsupported)
 std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
                         const std::optional<std::string>& report, bool glb_per_level);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas._core: what the Python layer (python/isoatlas/) calls. Arguments come checked and in one
-// form each; see its files for what users may pass.
+// isoatlas._core: the extension that the Python package (python/isoatlas/) calls. The package has
+// checked the arguments and converted each to one form; its docstrings describe what users pass.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -26,7 +26,7 @@ using namespace isoatlas::detail;
 using namespace isoatlas::detail::python;
 using py::literals::operator""_a;
 
-// A path is bytes; what is not UTF-8 comes from Python as surrogates.
+// The bytes of a path. Python represents bytes that are not UTF-8 as surrogates.
 std::string path_of(const py::object& path) {
   return py::bytes(py::module_::import("os").attr("fsencode")(path));
 }
@@ -49,8 +49,8 @@ ReadOptions read_options_of(const Words& words) {
   return options;
 }
 
-/// (array, spacing, origin, direction, unit, source) with the array's axes z, y, x and the rest x,
-/// y, z.
+/// @return (array, spacing, origin, direction, unit, source): the array's axes are z, y, x; all
+///         others are in the order x, y, z
 py::tuple read_volume_as_array(const py::object& path, const Words& words) {
   const auto work = [path = path_of(path), options = read_options_of(words)](const RunControl&) {
     try {
@@ -60,7 +60,7 @@ py::tuple read_volume_as_array(const py::object& path, const Words& words) {
                   needed.what() + ("; choose with " + needed.choice().name + "=0, for example"));
     }
   };
-  VolumeFile file = make_interruptibly(work, {});
+  VolumeFile file = compute_interruptibly(work, {});
   const Volume& volume = file.volume;
 
   using Owner = std::shared_ptr<const void>;
@@ -92,15 +92,18 @@ py::dict choices_of(const VolumeSource& source) {
   return choices;
 }
 
-// Before 2.12 pybind11 reads arrays as NumPy 1 lays them out. With NumPy 2 every element would be
-// the first one.
+// pybind11 before 2.12 knows only the array layout of NumPy 1. With NumPy 2 it would read the first
+// element in place of every element.
 void require_known_numpy() {
 #if PYBIND11_VERSION_HEX < 0x020C0000
   const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
   if (std::stoi(version) >= 2) {
-    throw py::import_error("isoatlas was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
-                               PYBIND11_VERSION_MINOR) ", which knows NumPy 1 only, and this is NumPy " +
-                           version + "; install numpy<2, or build isoatlas with pybind11 2.12 or later (pip install . does)");
+    const std::string pybind11_version =
+        PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(PYBIND11_VERSION_MINOR);
+    throw py::import_error("isoatlas was built with pybind11 " + pybind11_version +
+                           ", which supports only NumPy 1, and this is NumPy " + version +
+                           "; install numpy<2, or build isoatlas with pybind11 2.12 or later "
+                           "(pip install . does)");
   }
 #endif
 }
@@ -114,16 +117,16 @@ PYBIND11_MODULE(_core, module) {
 
   py::class_<VolumeSource>(module, "VolumeSource", "How a volume file was understood.")
       .def_readonly("format", &VolumeSource::format, "The file's format, for example 'NIfTI-1'.")
-      .def_readonly("reader", &VolumeSource::reader, "The library that read it.")
+      .def_readonly("reader", &VolumeSource::reader, "The library that read the file.")
       .def_property_readonly("decisions", &decisions_of,
-                             "What the reader decided: a dict of texts.")
+                             "Decisions of the reader: a dict of texts.")
       .def_property_readonly(
           "choices", &choices_of,
-          "The lists in the file from which one entry was read: a dict of tuples.")
+          "Lists in the file of which one entry was read: a dict of tuples of texts.")
       .def_property_readonly(
           "warnings",
           [](const VolumeSource& source) { return py::tuple(py::cast(source.warnings)); },
-          "What had to be assumed: a tuple of texts.")
+          "Assumptions of the reader: a tuple of texts.")
       .def("__repr__", [](const VolumeSource& source) {
         return "<isoatlas.VolumeSource: " + source.format + ">";
       });
@@ -181,5 +184,5 @@ PYBIND11_MODULE(_core, module) {
       "read_levels", [](const py::object& path) { return read_levels(path_of(path)); }, "path"_a);
   module.def("check", &check_mesh, "vertices"_a.noconvert(), "faces"_a.noconvert(),
              "self_intersections"_a, "volume"_a.none(true), "measure"_a, "threads"_a, "progress"_a);
-  module.def("given_up_work", &given_up_work);
+  module.def("abandoned_work_count", &abandoned_work_count);
 }

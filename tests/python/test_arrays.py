@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arrays of all kinds: taken as they are, copied, or refused; never rounded."""
+"""Arrays of all kinds: used without a copy, copied, or refused; never rounded."""
+
 import tracemalloc
 
 import numpy as np
@@ -11,31 +12,35 @@ from isoatlas._arrays import as_samples
 
 
 def scaled(dtype):
-    """A torus about the value 40 in any type."""
+    """The torus with values around 40, in any type."""
     return np.round(40 + 8 * torus(dtype=np.float64)).clip(0, 100).astype(dtype)
 
 
 REFERENCE = isoatlas.extract(scaled(np.float64), 40.5)
 
 
-def same_as_reference(array, iso=40.5):
-    mesh = isoatlas.extract(array, iso)
-    return mesh.vertices.tobytes() == REFERENCE.vertices.tobytes() and mesh.faces.tobytes() == REFERENCE.faces.tobytes()
+def gives_reference_mesh(array):
+    mesh = isoatlas.extract(array, 40.5)
+    return (
+        mesh.vertices.tobytes() == REFERENCE.vertices.tobytes()
+        and mesh.faces.tobytes() == REFERENCE.faces.tobytes()
+    )
 
 
 @pytest.mark.parametrize("code", [*"bBhHiIlLqQefdg"])
 def test_every_numeric_type(code):
-    assert same_as_reference(scaled(np.dtype(code)))
+    assert gives_reference_mesh(scaled(np.dtype(code)))
 
 
 @pytest.mark.parametrize("code", ["<i2", ">i2", ">u4", ">i8", ">f2", ">f4", ">f8"])
 def test_every_byte_order(code):
-    assert same_as_reference(scaled(np.dtype(code)))
+    assert gives_reference_mesh(scaled(np.dtype(code)))
 
 
 def test_native_types_keep_their_name():
-    for name in ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"):
-        assert isoatlas.extract(scaled(name), 40.5, coarse=True).report["input"]["sample_type"] == name
+    for name in "int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64".split():
+        mesh = isoatlas.extract(scaled(name), 40.5, coarse=True)
+        assert mesh.report["input"]["sample_type"] == name
 
 
 def test_bool_is_0_and_1():
@@ -77,11 +82,11 @@ LAYOUTS = {
     "padded": padded,
     "misaligned": misaligned,
     "field of records": field_of_records,
-    "negative strides": lambda: np.ascontiguousarray(scaled(np.int16)[::-1, :, ::-1])[::-1, :, ::-1],
+    "negative strides": lambda: scaled(np.int16)[::-1, :, ::-1].copy()[::-1, :, ::-1],
     "broadcast": lambda: np.broadcast_to(scaled(np.int16)[np.newaxis], (1, 26, 22, 14))[0],
     "read-only": lambda: np.frombuffer(scaled(np.int16).tobytes(), np.int16).reshape(26, 22, 14),
     "nested lists": lambda: scaled(np.int16).tolist(),
-    "masked, but nothing": lambda: np.ma.masked_array(scaled(np.int16), mask=False),
+    "masked array without masked samples": lambda: np.ma.masked_array(scaled(np.int16), mask=False),
     "matrix-like": lambda: np.asarray(scaled(np.int16)).view(np.recarray),
 }
 
@@ -90,11 +95,11 @@ LAYOUTS = {
 def test_every_layout(name):
     array = LAYOUTS[name]()
     before = np.array(array)
-    assert same_as_reference(array)
-    assert np.array_equal(before, np.array(array))  # untouched
+    assert gives_reference_mesh(array)
+    assert np.array_equal(before, np.array(array))  # extract() must not change its input
 
 
-def test_an_axis_that_repeats():
+def test_axis_with_stride_zero():
     flat = np.broadcast_to(scaled(np.float64)[:, :, 6:7], (26, 22, 14))
     a, b = isoatlas.extract(flat, 40.5), isoatlas.extract(np.ascontiguousarray(flat), 40.5)
     assert a.vertices.tobytes() == b.vertices.tobytes() and a.levels[0].report["boundary_loops"] > 0
@@ -104,30 +109,31 @@ def test_memory_map(tmp_path):
     np.save(tmp_path / "v.npy", scaled(np.int16))
     mapped = np.load(tmp_path / "v.npy", mmap_mode="r")
     assert np.shares_memory(as_samples(mapped), mapped)
-    assert same_as_reference(mapped)
+    assert gives_reference_mesh(mapped)
 
 
-def numpy_bytes_during(work):
+def peak_numpy_bytes(work):
     tracemalloc.start()
     try:
         work()
-        return tracemalloc.get_traced_memory()[1]  # the peak; numpy reports its arrays there
+        _, peak = tracemalloc.get_traced_memory()  # numpy reports its allocations to tracemalloc
+        return peak
     finally:
         tracemalloc.stop()
 
 
 @pytest.mark.parametrize("dtype", ["uint8", "int16", "float32", "float64", "bool"])
-def test_no_copy_where_the_layout_allows(dtype):
+def test_dense_arrays_are_not_copied(dtype):
     ball = 30 - np.linalg.norm(np.indices((80, 81, 82)).T - (40.3, 40.2, 39.1), axis=-1)
     array = np.ascontiguousarray(ball > 0 if dtype == "bool" else (ball + 50).astype(dtype))
     iso = 0.5 if dtype == "bool" else 50.5
     views = {"C": array, "Fortran": array.T, "transposed": array.transpose(1, 2, 0)}
     for name, view in views.items():
         assert np.shares_memory(as_samples(view), array), name
-        used = numpy_bytes_during(lambda: isoatlas.extract(view, iso, coarse=True))
+        used = peak_numpy_bytes(lambda: isoatlas.extract(view, iso, coarse=True))
         assert used < array.nbytes / 4, (name, used)
-    used = numpy_bytes_during(lambda: isoatlas.extract(array[::-1], iso, coarse=True))
-    assert array.nbytes <= used < 1.5 * array.nbytes  # once, where it does not
+    used = peak_numpy_bytes(lambda: isoatlas.extract(array[::-1], iso, coarse=True))
+    assert array.nbytes <= used < 1.5 * array.nbytes  # negative stride: one copy
 
 
 def test_64_bit_integers_are_not_rounded():
@@ -137,16 +143,21 @@ def test_64_bit_integers_are_not_rounded():
         array[2:4, 2:4, 2:4] = low + 1  # the same double as `low`
         with pytest.raises(isoatlas.EmptySurfaceError):
             isoatlas.extract(array, low - 512)
-        with pytest.raises(isoatlas.BadArgumentError, match=f"iso: expected a number that is a float64, got {low + 1}"):
+        with pytest.raises(
+            isoatlas.BadArgumentError,
+            match=f"iso: expected a number that is a float64, got {low + 1}",
+        ):
             isoatlas.extract(array, low + 1)
 
 
-def test_long_doubles_only_if_they_are_doubles():
+def test_long_doubles_must_be_exact_doubles():
     array = scaled(np.longdouble)
     if array.dtype.itemsize == 8:
         pytest.skip("longdouble is double here")
     array[3, 4, 5] += np.finfo(np.longdouble).eps * 64
-    with pytest.raises(isoatlas.UnsupportedError, match=r"that are no float64, the first at index \(3, 4, 5\)"):
+    with pytest.raises(
+        isoatlas.UnsupportedError, match=r"that float64 cannot hold, the first at index \(3, 4, 5\)"
+    ):
         isoatlas.extract(array, 40.5)
     array[3, 4, 5] = np.nan
     assert as_samples(array).dtype == np.float64
@@ -158,20 +169,28 @@ def test_long_doubles_only_if_they_are_doubles():
         (np.zeros((4, 4)), r"the array has 2 dimensions \(4, 4\), expected 3"),
         (np.zeros((2, 3, 4, 5)), "the array has 4 dimensions"),
         (7, "the array has 0 dimensions"),
-        (np.zeros((4, 4, 4), complex), "samples of type complex128, expected bool, integers or floating-point numbers"),
+        (
+            np.zeros((4, 4, 4), complex),
+            "samples of type complex128, expected bool, integers or floating-point numbers",
+        ),
         (np.zeros((4, 4, 4), object), "samples of type object"),
         (np.zeros((4, 4, 4), "datetime64[s]"), "samples of type datetime64"),
         (np.zeros((4, 4, 4), "U3"), "samples of type <U3"),
         (np.zeros((4, 4, 4), [("a", "f4")]), "samples of type"),
-        (np.ma.masked_less(np.arange(64.0).reshape(4, 4, 4), 3), "the array has 3 masked samples, expected none"),
+        (
+            np.ma.masked_less(np.arange(64.0).reshape(4, 4, 4), 3),
+            "the array has 3 masked samples, expected none",
+        ),
     ],
 )
-def test_what_is_no_volume_is_refused(array, message):
+def test_unsupported_arrays_are_refused(array, message):
     with pytest.raises(isoatlas.UnsupportedError, match=message):
         isoatlas.extract(array, 0.5)
 
 
-@pytest.mark.parametrize("shape", [(0, 4, 4), (4, 0, 4), (4, 4, 0), (1, 4, 4), (4, 1, 4), (4, 4, 1), (0, 0, 0)])
+@pytest.mark.parametrize(
+    "shape", [(0, 4, 4), (4, 0, 4), (4, 4, 0), (1, 4, 4), (4, 1, 4), (4, 4, 1), (0, 0, 0)]
+)
 def test_fewer_than_two_samples_along_an_axis(shape):
     for array in (np.zeros(shape), np.zeros(shape, order="F")):
         with pytest.raises(isoatlas.BadArgumentError):
@@ -185,14 +204,15 @@ def test_two_samples_along_each_axis_are_enough():
 
 
 @pytest.mark.parametrize("order", "CF")
-def test_nan_is_counted_and_placed(order):
+def test_nan_is_counted_and_located(order):
     array = np.array(scaled(np.float32), order=order)
     array[3, 4, 5] = np.nan
     array[3, 4, 6] = np.inf
     with pytest.raises(isoatlas.UnsupportedError) as raised:
         isoatlas.extract(array, 40.5)
     assert str(raised.value) == (
-        "1 NaN and 1 infinite samples, the first at index (3, 4, 5): say with nan='below' or nan='above' on which side of the isovalue NaN lies"
+        "1 NaN and 1 infinite samples, the first at index (3, 4, 5): "
+        "set nan='below' or nan='above', the side of the isovalue on which NaN lies"
     )
     with pytest.raises(isoatlas.UnsupportedError, match=r"\(5, 4, 3\)"):
         isoatlas.extract(array, 40.5, order="xyz")

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where things are: orders of axes, of memory and of coordinates, and which way faces face."""
+"""Orders of axes, memory and coordinates: positions and orientation of the mesh."""
+
 import itertools
 
 import numpy as np
 import pytest
 
 import isoatlas
-from conftest import enclosed, topology, torus
+from conftest import enclosed_volume, topology, torus
 
 SPACING = (0.7, 1.1, 1.9)
 ORIGIN = (10.0, -20.0, 35.0)
@@ -20,14 +21,18 @@ def rotation(mirror):
 
 
 def in_memory_order(array, axes):
-    """The same array, with memory running slowest along axes[0]."""
+    """A copy of the array whose largest stride is along axes[0] and smallest along axes[2]."""
     return np.ascontiguousarray(array.transpose(axes)).transpose(np.argsort(axes))
 
 
 def is_on_surface(volume, index):
-    """A few vertices are moved, within their grid cells, so that triangles do not meet; of wrong axes none would be on it."""
-    away = np.abs(sampled(volume, index))
-    return np.median(away) < 1e-6 and away.max() < 0.5
+    """Whether the vertices are on the surface where the volume is 0.
+
+    A few vertices may be displaced within their grid cells to separate triangles. With wrong axes,
+    no vertex would be on the surface.
+    """
+    values = np.abs(sampled(volume, index))
+    return np.median(values) < 1e-6 and values.max() < 0.5
 
 
 def sampled(volume, index):
@@ -44,17 +49,23 @@ def sampled(volume, index):
 @pytest.mark.parametrize("mirror", [False, True])
 @pytest.mark.parametrize("order", ["ijk", "xyz"])
 @pytest.mark.parametrize("axes", list(itertools.permutations(range(3))))
-def test_vertices_are_where_the_volume_is_zero_and_faces_face_outward(axes, order, mirror):
+def test_vertices_are_on_the_surface_and_faces_are_outward(axes, order, mirror):
     volume = torus(dtype=np.float64)
     direction = rotation(mirror)
     mesh = isoatlas.extract(
-        in_memory_order(volume, axes), 0.0, spacing=SPACING, origin=ORIGIN, direction=direction, order=order, coarse=True
+        in_memory_order(volume, axes),
+        0.0,
+        spacing=SPACING,
+        origin=ORIGIN,
+        direction=direction,
+        order=order,
+        coarse=True,
     )
     index = np.linalg.solve(direction, (mesh.vertices - ORIGIN).T).T / SPACING
     if order == "xyz":
         index = index[:, ::-1]
     assert is_on_surface(volume, index)
-    assert enclosed(mesh.vertices, mesh.faces) > 0
+    assert enclosed_volume(mesh.vertices, mesh.faces) > 0
     assert mesh.levels[0].report["genus"] == 1
 
 
@@ -62,10 +73,18 @@ def test_vertices_are_where_the_volume_is_zero_and_faces_face_outward(axes, orde
 @pytest.mark.parametrize("order", ["ijk", "xyz"])
 def test_voxel_coordinates_are_indices(axes, order):
     volume = torus(dtype=np.float64)
-    mesh = isoatlas.extract(in_memory_order(volume, axes), 0.0, spacing=SPACING, origin=ORIGIN, order=order, space="voxel", coarse=True)
+    mesh = isoatlas.extract(
+        in_memory_order(volume, axes),
+        0.0,
+        spacing=SPACING,
+        origin=ORIGIN,
+        order=order,
+        space="voxel",
+        coarse=True,
+    )
     index = mesh.vertices if order == "ijk" else mesh.vertices[:, ::-1]
     assert is_on_surface(volume, index)
-    assert enclosed(mesh.vertices, mesh.faces) > 0
+    assert enclosed_volume(mesh.vertices, mesh.faces) > 0
 
 
 def test_orders_of_one_array_are_mirror_images():
@@ -79,33 +98,43 @@ def test_orders_of_one_array_are_mirror_images():
 
 def test_orders_of_memory_have_the_same_topology():
     noise = np.random.default_rng(11).random((14, 15, 16)).astype(np.float32)
-    found = [
-        topology(isoatlas.extract(in_memory_order(noise, axes), 0.5, coarse=True, allow_self_intersections=True).levels[0].report)
-        for axes in itertools.permutations(range(3))
-    ]
-    assert all(one == found[0] for one in found)
+    found = []
+    for axes in itertools.permutations(range(3)):
+        array = in_memory_order(noise, axes)
+        mesh = isoatlas.extract(array, 0.5, coarse=True, allow_self_intersections=True)
+        found.append(topology(mesh.levels[0].report))
+    assert all(numbers == found[0] for numbers in found)
 
 
 @pytest.mark.parametrize("axes", [(0, 1, 2), (2, 1, 0), (1, 0, 2)])
 def test_ras_negates_x_and_y(axes):
     volume = in_memory_order(torus(), axes)
-    lps = isoatlas.extract(volume, 0.0, spacing=SPACING, origin=ORIGIN, order="xyz", measure_samples=1000)
-    ras = isoatlas.extract(volume, 0.0, spacing=SPACING, origin=ORIGIN, order="xyz", measure_samples=1000, space="ras")
-    assert np.array_equal(lps.vertices * (-1, -1, 1), ras.vertices) and np.array_equal(lps.faces, ras.faces)
+    options = {"spacing": SPACING, "origin": ORIGIN, "order": "xyz", "measure_samples": 1000}
+    lps = isoatlas.extract(volume, 0.0, **options)
+    ras = isoatlas.extract(volume, 0.0, **options, space="ras")
+    assert np.array_equal(lps.vertices * (-1, -1, 1), ras.vertices)
+    assert np.array_equal(lps.faces, ras.faces)
     far = [m.levels[1].report["measured"]["mesh_to_surface"]["farthest"] for m in (lps, ras)]
     assert far[1] == [-far[0][0], -far[0][1], far[0][2]]
     with pytest.raises(isoatlas.BadArgumentError, match="order='xyz'"):
         isoatlas.extract(volume, 0.0, space="ras")
 
 
-def test_files_say_a_space_only_where_there_is_one(tmp_path):
-    for order, space, said in (("xyz", "lps", "LPS"), ("xyz", "ras", "RAS"), ("ijk", "lps", ""), ("ijk", "voxel", "voxel")):
+def test_files_state_a_space_only_if_it_is_known(tmp_path):
+    for order, space, stated in (
+        ("xyz", "lps", "LPS"),
+        ("xyz", "ras", "RAS"),
+        ("ijk", "lps", ""),
+        ("ijk", "voxel", "voxel"),
+    ):
         mesh = isoatlas.extract(torus(), 0.0, order=order, space=space, coarse=True)
         mesh.save(tmp_path / "m.ply")
-        assert mesh.space == said and isoatlas.read_mesh(tmp_path / "m.ply").space == said
+        assert mesh.space == stated
+        assert isoatlas.read_mesh(tmp_path / "m.ply").space == stated
 
 
 def test_direction_may_be_nine_numbers():
     volume, direction = torus(), rotation(True)
     flat = isoatlas.extract(volume, 0.0, direction=direction.ravel(), coarse=True)
-    assert np.array_equal(flat.vertices, isoatlas.extract(volume, 0.0, direction=direction.tolist(), coarse=True).vertices)
+    rows = isoatlas.extract(volume, 0.0, direction=direction.tolist(), coarse=True)
+    assert np.array_equal(flat.vertices, rows.vertices)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same files as the command line's, byte for byte."""
+"""Files are the same as those of the command line, byte for byte."""
+
 import json
 
 import numpy as np
@@ -16,22 +17,36 @@ CASES = {
     "voxel": (["--space", "voxel", "--coarse"], {"space": "voxel", "coarse": True}),
     "ras": (["--space", "ras", "--inside", "below"], {"space": "ras", "inside": "below"}),
     "levels": (
-        ["--max-vertices", "900", "--refine", "max-distance:2vx", "--refine", "max-distance:1.2vx,max-edge:30"],
-        {"max_vertices": 900, "refine": ["max-distance:2vx", {"max_distance": "1.2vx", "max_edge": 30}]},
+        "--max-vertices 900 --refine max-distance:2vx "
+        "--refine max-distance:1.2vx,max-edge:30".split(),
+        {
+            "max_vertices": 900,
+            "refine": ["max-distance:2vx", {"max_distance": "1.2vx", "max_edge": 30}],
+        },
     ),
     "balanced": (
-        ["--placement", "balanced", "--interpolation", "tricubic", "--max-distance", "1.25", "--topology", "faces"],
-        {"placement": "balanced", "interpolation": "tricubic", "max_distance": 1.25, "topology": "faces"},
+        "--placement balanced --interpolation tricubic "
+        "--max-distance 1.25 --topology faces".split(),
+        {
+            "placement": "balanced",
+            "interpolation": "tricubic",
+            "max_distance": 1.25,
+            "topology": "faces",
+        },
     ),
     "intersections": (
-        ["--allow-self-intersections", "--min-component-size", "20vx", "--max-radius", "9.5"],
+        "--allow-self-intersections --min-component-size 20vx --max-radius 9.5".split(),
         {"allow_self_intersections": True, "min_component_size": "20vx", "max_radius": 9.5},
     ),
 }
 
 
 def files_in(folder):
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -41,18 +56,19 @@ def test_same_bytes(case, tool, tmp_path):
     ours.mkdir()
     theirs.mkdir()
     mesh = isoatlas.extract(isoatlas.read(PROTEIN), 100, **options)
-    for name in {"levels": ("m.ply", "m.vtm"), "balanced": ("m.stl", "m-{level}.obj")}.get(case, ("m.ply",)):
+    command = ["extract", PROTEIN, "--iso", "100", *arguments, "-q"]
+    names = {"levels": ["m.ply", "m.vtm"], "balanced": ["m.stl", "m-{level}.obj"]}
+    for name in names.get(case, ["m.ply"]):
         mesh.save(ours / name)
-        tool("extract", PROTEIN, "--iso", "100", *arguments, "-q", "-o", theirs / name, status=1 if mesh.unmet else 0)
+        tool(*command, "-o", theirs / name, status=1 if mesh.unmet else 0)
     mesh.save(ours / "m.glb", glb_per_level=True)
-    tool("extract", PROTEIN, "--iso", "100", *arguments, "-q", "-o", theirs / "m.glb", "--glb-per-level", status=None)
+    tool(*command, "-o", theirs / "m.glb", "--glb-per-level", status=None)
     found = files_in(ours)
     assert found == files_in(theirs)
     assert len(found) >= 4
 
 
 def test_plain_array_is_the_same_as_the_volume(tool, tmp_path):
-    """Of an array the module knows nothing but what it is told."""
     samples = np.fromfile(SAMPLES / "protein_iron.raw", np.uint8).reshape(68, 68, 68)
     isoatlas.extract(samples, 100, order="xyz", spacing=(1, 1, 1)).save(tmp_path / "python.off")
     tool("extract", PROTEIN, "--iso", "100", "-q", "-o", tmp_path / "tool.off")
@@ -82,7 +98,12 @@ data file: v.raw
     tool("extract", tmp_path / "v.nhdr", "--iso", "50.5", "-q", "-o", tmp_path / "tool.ply")
     isoatlas.extract(volume, 50.5).save(tmp_path / "volume.ply")
     isoatlas.extract(
-        samples, 50.5, order="xyz", spacing=(0.75, 0.5, 2.5), origin=(1.5, -20.25, 300), direction=[[0, 1, 0], [1, 0, 0], [0, 0, 1]]
+        samples,
+        50.5,
+        order="xyz",
+        spacing=(0.75, 0.5, 2.5),
+        origin=(1.5, -20.25, 300),
+        direction=[[0, 1, 0], [1, 0, 0], [0, 0, 1]],
     ).save(tmp_path / "array.ply")
     expected = (tmp_path / "tool.ply").read_bytes()
     assert (tmp_path / "volume.ply").read_bytes() == expected
@@ -104,11 +125,13 @@ def test_report_has_the_same_content(tool, tmp_path):
     (tmp_path / "b").mkdir()
     mesh = isoatlas.extract(isoatlas.read(PROTEIN), 100, measure_samples=5000, threads=2)
     mesh.save(tmp_path / "a/m.ply", report=tmp_path / "a/m.json")
-    tool("extract", PROTEIN, "--iso", "100", "--measure-samples", "5000", "--threads", "2", "-q", "-o", tmp_path / "b/m.ply", "--report",
-         tmp_path / "b/m.json")  # fmt: skip
+    options = "--iso 100 --measure-samples 5000 --threads 2 -q".split()
+    outputs = ["-o", tmp_path / "b/m.ply", "--report", tmp_path / "b/m.json"]
+    tool("extract", PROTEIN, *options, *outputs)
     saved = json.loads((tmp_path / "a/m.json").read_text())
     theirs = json.loads((tmp_path / "b/m.json").read_text())
-    assert saved["files"][0]["path"] == str(tmp_path / "a/m.ply") and saved["seconds"].keys() == theirs["seconds"].keys()
+    assert saved["files"][0]["path"] == str(tmp_path / "a/m.ply")
+    assert saved["seconds"].keys() == theirs["seconds"].keys()
     assert list(saved) == list(theirs) == list(mesh.report)  # in the same order
     assert without_times(saved) == without_times(theirs)
     mine = without_times(dict(mesh.report))
@@ -118,8 +141,10 @@ def test_report_has_the_same_content(tool, tmp_path):
 
 
 def test_orders_of_memory_have_the_topology_of_the_command_line(tool, tmp_path):
-    tool("extract", PROTEIN, "--iso", "100", "--coarse", "-q", "-o", tmp_path / "m.ply", "--report", tmp_path / "m.json")
+    outputs = ["-o", tmp_path / "m.ply", "--report", tmp_path / "m.json"]
+    tool("extract", PROTEIN, "--iso", "100", "--coarse", "-q", *outputs)
     theirs = json.loads((tmp_path / "m.json").read_text())["levels"][0]
     for order in "CF":
         array = np.array(isoatlas.read_volume(PROTEIN).array, order=order)
-        assert topology(isoatlas.extract(array, 100, coarse=True).levels[0].report) == topology(theirs)
+        mesh = isoatlas.extract(array, 100, coarse=True)
+        assert topology(mesh.levels[0].report) == topology(theirs)

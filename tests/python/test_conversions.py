@@ -21,7 +21,7 @@ def check_vtk(polydata, level):
 
 
 def test_to_vtk():
-    pytest.importorskip("vtkmodules", reason="VTK is not there")
+    pytest.importorskip("vtkmodules", reason="VTK is not installed")
     check_vtk(MESH.to_vtk(), MESH.levels[-1])
     polydata = MESH.to_vtk(level=0)
     check_vtk(polydata, MESH.levels[0])
@@ -30,13 +30,15 @@ def test_to_vtk():
 
 
 def test_vtk_agrees_about_volume_and_edges():
-    pytest.importorskip("vtkmodules", reason="VTK is not there")
+    pytest.importorskip("vtkmodules", reason="VTK is not installed")
     from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties
 
     mass = vtkMassProperties()
     mass.SetInputData(MESH.to_vtk())
     a, b, c = (MESH.vertices[MESH.faces[:, k]] for k in range(3))
-    assert mass.GetVolume() == pytest.approx(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6, rel=1e-6)
+    assert mass.GetVolume() == pytest.approx(
+        np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6, rel=1e-6
+    )
     edges = vtkFeatureEdges()
     edges.SetInputData(MESH.to_vtk())
     edges.FeatureEdgesOff()
@@ -45,7 +47,7 @@ def test_vtk_agrees_about_volume_and_edges():
 
 
 def test_to_pyvista():
-    pyvista = pytest.importorskip("pyvista", reason="PyVista is not there")
+    pyvista = pytest.importorskip("pyvista", reason="PyVista is not installed")
     mesh = MESH.to_pyvista()
     assert isinstance(mesh, pyvista.PolyData) and mesh.is_manifold
     assert np.array_equal(mesh.points, MESH.vertices)
@@ -53,30 +55,38 @@ def test_to_pyvista():
 
 
 def test_to_trimesh():
-    trimesh = pytest.importorskip("trimesh", reason="trimesh is not there")
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
     mesh = MESH.to_trimesh(level=1)
     assert isinstance(mesh, trimesh.Trimesh) and mesh.is_watertight and mesh.volume > 0
-    assert np.array_equal(mesh.vertices, MESH.levels[1].vertices) and np.array_equal(mesh.faces, MESH.levels[1].faces)
+    assert np.array_equal(mesh.vertices, MESH.levels[1].vertices)
+    assert np.array_equal(mesh.faces, MESH.levels[1].faces)
 
 
-def test_what_pyvista_would_be_given(monkeypatch):
-    pytest.importorskip("vtkmodules", reason="VTK is not there")
-    monkeypatch.setitem(sys.modules, "pyvista", types.SimpleNamespace(wrap=lambda it: ("wrapped", it)))
+def test_pyvista_gets_the_polydata(monkeypatch):
+    pytest.importorskip("vtkmodules", reason="VTK is not installed")
+    monkeypatch.setitem(
+        sys.modules, "pyvista", types.SimpleNamespace(wrap=lambda it: ("wrapped", it))
+    )
     wrapped, polydata = MESH.to_pyvista(level=1)
     assert wrapped == "wrapped"
     check_vtk(polydata, MESH.levels[1])
 
 
-def test_what_trimesh_would_be_given(monkeypatch):
-    monkeypatch.setitem(sys.modules, "trimesh", types.SimpleNamespace(Trimesh=lambda **given: given))
+def test_trimesh_gets_copies(monkeypatch):
+    monkeypatch.setitem(
+        sys.modules, "trimesh", types.SimpleNamespace(Trimesh=lambda **given: given)
+    )
     given = MESH.to_trimesh()
     assert given["process"] is False
     assert np.array_equal(given["vertices"], MESH.vertices) and given["vertices"].flags.writeable
     assert np.array_equal(given["faces"], MESH.faces) and given["faces"].dtype == np.int64
 
 
-@pytest.mark.parametrize(("method", "package"), [("to_vtk", "vtkmodules"), ("to_pyvista", "pyvista"), ("to_trimesh", "trimesh")])
-def test_what_is_not_there_is_named(method, package, monkeypatch):
+@pytest.mark.parametrize(
+    ("method", "package"),
+    [("to_vtk", "vtkmodules"), ("to_pyvista", "pyvista"), ("to_trimesh", "trimesh")],
+)
+def test_errors_name_the_missing_package(method, package, monkeypatch):
     for name in [name for name in sys.modules if name.split(".")[0] == package]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
@@ -87,13 +97,17 @@ def test_what_is_not_there_is_named(method, package, monkeypatch):
 def test_distances_of_vertices(tmp_path):
     for level in MESH.levels:
         assert level.distance.dtype == np.float32 and level.distance.shape == (len(level.vertices),)
-        assert level.distance.max() == np.float32(level.report["metrics"]["max-distance"]["maximum"])
+        maximum = level.report["metrics"]["max-distance"]["maximum"]
+        assert level.distance.max() == np.float32(maximum)
         assert not level.distance.flags.writeable
     MESH.save(tmp_path / "m.vtm")
     for level, again in zip(MESH.levels, isoatlas.read(tmp_path / "m.vtm").levels):
         assert np.array_equal(level.distance, again.distance)
     assert isoatlas.extract(torus(), 0.0, coarse=True).levels[0].distance is None
-    pytest.importorskip("vtkmodules", reason="VTK is not there")
+    pytest.importorskip("vtkmodules", reason="VTK is not installed")
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
-    assert np.array_equal(vtk_to_numpy(MESH.to_vtk().GetPointData().GetArray("max_distance")), MESH.levels[-1].distance)
+    assert np.array_equal(
+        vtk_to_numpy(MESH.to_vtk().GetPointData().GetArray("max_distance")),
+        MESH.levels[-1].distance,
+    )

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs every snippet of docs/python.md and README.md, in their order, in one folder."""
+"""Runs the snippets of docs/python.md and README.md, in order and in one folder per page."""
+
+import builtins
 import importlib.util
 import os
 import re
@@ -16,13 +18,19 @@ README = (ROOT / "README.md").read_text()
 
 
 def snippets(text):
-    """(language, what it needs, code) of each block; one without a language is no snippet."""
-    return [tuple(block) for block in re.findall(r"^```(python|sh)(?: (\S+))?\n(.*?)^```$", text, re.M | re.S)]
+    """(language, required package, code) of each block that states a language."""
+    return [
+        tuple(block)
+        for block in re.findall(r"^```(python|sh)(?: (\S+))?\n(.*?)^```$", text, re.M | re.S)
+    ]
 
 
 def write_scan(folder):
-    """What the pages call scan.nii.gz: a torus of bone, and a ball that is loose."""
-    samples = np.maximum(torus((44, 22, 14)), (1.4 - np.linalg.norm(np.indices((44, 22, 14)).T - (36.2, 9.8, 7.1), axis=-1)).T)
+    """Write the scan.nii.gz of the pages: a torus, and a ball that is not connected to it."""
+    samples = np.maximum(
+        torus((44, 22, 14)),
+        (1.4 - np.linalg.norm(np.indices((44, 22, 14)).T - (36.2, 9.8, 7.1), axis=-1)).T,
+    )
     import gzip
     import struct
 
@@ -45,7 +53,9 @@ def run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names, ran = {}, 0
     for language, needs, code in page:
-        if language != "python" or (needs and importlib.util.find_spec({"vtk": "vtkmodules"}.get(needs, needs)) is None):
+        if language != "python" or (
+            needs and importlib.util.find_spec({"vtk": "vtkmodules"}.get(needs, needs)) is None
+        ):
             continue
         exec(compile(code, f"snippet {ran}: {code.splitlines()[0]}", "exec"), names)
         ran += 1
@@ -57,43 +67,49 @@ def test_every_snippet_of_the_page_runs(tmp_path, monkeypatch, capsys):
     names, ran = run(blocks, tmp_path, monkeypatch)
     assert ran >= sum(language == "python" and not needs for language, needs, _ in blocks) >= 8
     printed = capsys.readouterr().out
-    assert "2 components" in printed and "empty_surface" in printed and "level 1: max-vertices 50: reached" in printed
+    for text in ("2 components", "empty_surface", "level 1: max-vertices 50: reached"):
+        assert text in printed
     for file in ("bone.stl", "bone.json", "print.stl", "field.glb"):
         assert (tmp_path / file).stat().st_size > 0
     assert len(names["mesh"].faces) > 0
 
 
-def test_the_readmes_snippet_runs(tmp_path, monkeypatch, capsys):
+def test_readme_snippets_run(tmp_path, monkeypatch, capsys):
     blocks = snippets(README)
     assert any(language == "python" for language, _, _ in blocks)
     run(blocks, tmp_path, monkeypatch)
 
 
-def test_the_packages_example_runs(tmp_path, monkeypatch):
-    code = "\n".join(line.strip()[4:] for line in isoatlas.__doc__.splitlines() if line.strip().startswith(">>> "))
+def test_example_of_the_package_docstring_runs(tmp_path, monkeypatch):
+    code = "\n".join(
+        line.strip()[4:]
+        for line in isoatlas.__doc__.splitlines()
+        if line.strip().startswith(">>> ")
+    )
     run([("python", "", code)], tmp_path, monkeypatch)
     assert (tmp_path / "bone.ply").is_file()
 
 
-def test_commands_are_those_of_the_install_test():
-    (_, _, commands), = [block for block in snippets(PAGE) if block[0] == "sh"]
+def test_install_commands_are_tested():
+    ((_, _, commands),) = [block for block in snippets(PAGE) if block[0] == "sh"]
     test = (ROOT / "tests" / "python" / "test_install.py").read_text()
     script = (ROOT / "scripts" / "install_dependencies.sh").read_text()
-    assert "snippets(PAGE)" in test  # which runs all but the first
+    assert "snippets(PAGE)" in test  # test_install.py runs all commands except the first
     first, *_ = commands.strip().splitlines()
     assert first == "scripts/install_dependencies.sh python" and "python) wanted" in script
-    assert subprocess.run(["bash", "-n", ROOT / "scripts" / "install_dependencies.sh"]).returncode == 0
-    assert os.access(ROOT / "scripts" / "install_dependencies.sh", os.X_OK)
+    path = ROOT / "scripts" / "install_dependencies.sh"
+    assert subprocess.run(["bash", "-n", path]).returncode == 0
+    assert os.access(path, os.X_OK)
 
 
-def test_the_table_of_errors_is_right():
+def test_table_of_errors_matches_the_classes():
     rows = re.findall(r"^\| `(\w+)` \| `(\w+)` \| `(\w+)` \|", PAGE, re.M)
     assert len(rows) == 6
     for name, base, code in rows:
         cls = getattr(isoatlas, name)
-        assert issubclass(cls, getattr(__builtins__, base) if not isinstance(__builtins__, dict) else __builtins__[base]) and cls.code == code
+        assert issubclass(cls, getattr(builtins, base)) and cls.code == code
 
 
 @pytest.mark.parametrize("link", sorted(set(re.findall(r"\]\(([^)#]+)", PAGE))))
-def test_links_lead_somewhere(link):
+def test_links_exist(link):
     assert (ROOT / "docs" / link).exists()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Classes, codes and texts: those of the command line."""
+"""Classes, codes and texts of errors; the texts are the same as on the command line."""
+
 import os
 import shutil
 
@@ -19,9 +20,13 @@ def error_of(work):
 
 
 def line_of(tool, *arguments):
-    """What the command line says, without its prefix and the reference to its help."""
+    """The error line of the command line, without its prefix and the reference to its help."""
     run = tool("extract", *arguments, status=2)
-    return run.stderr.strip().removeprefix("isoatlas: error: ").removesuffix(" (see isoatlas extract --help)")
+    return (
+        run.stderr.strip()
+        .removeprefix("isoatlas: error: ")
+        .removesuffix(" (see isoatlas extract --help)")
+    )
 
 
 @pytest.mark.parametrize(
@@ -35,24 +40,27 @@ def line_of(tool, *arguments):
         (RuntimeError, isoatlas.InternalError, "internal"),
     ],
 )
-def test_classes_are_what_one_expects(base, cls, code):
+def test_classes_derive_from_builtin_exceptions(base, cls, code):
     error = cls("text")
     assert isinstance(error, isoatlas.Error) and isinstance(error, base)
     assert error.code == code and str(error) == "text"
 
 
 OPTIONS = [
-    ("inside", "up"), ("topology", "x"), ("interpolation", "linear"), ("nan", "refuse"), ("space", "LPI"), ("covering", "radius"),
-    ("placement", "up"), ("supersample", 0), ("supersample", 1.5), ("adaptive_supersample", 9), ("adaptive_supersample", -1),
-    ("min_component_size", "3cm"), ("keep_components", 0), ("max_radius", 0), ("max_radius", "1e999"), ("event_persistence", "-1vx"),
-    ("measure_samples", 0), ("threads", -1), ("max_distance", 0), ("max_distance", "3 px"), ("mean_distance", float("nan")),
-    ("area_curvature", 1), ("area_curvature_smooth", 0.5), ("geodesic_ratio", float("inf")), ("normal_angle", -5), ("max_vertices", 3),
-    ("max_vertices", 10.5), ("min_vertices", -4), ("min_edge", 0), ("max_edge", "x"), ("min_aspect", 1), ("min_aspect", 0),
+    ("inside", "up"), ("topology", "x"), ("interpolation", "linear"), ("nan", "refuse"),
+    ("space", "LPI"), ("covering", "radius"), ("placement", "up"), ("supersample", 0),
+    ("supersample", 1.5), ("adaptive_supersample", 9), ("adaptive_supersample", -1),
+    ("min_component_size", "3cm"), ("keep_components", 0), ("max_radius", 0),
+    ("max_radius", "1e999"), ("event_persistence", "-1vx"), ("measure_samples", 0),
+    ("threads", -1), ("max_distance", 0), ("max_distance", "3 px"), ("mean_distance", float("nan")),
+    ("area_curvature", 1), ("area_curvature_smooth", 0.5), ("geodesic_ratio", float("inf")),
+    ("normal_angle", -5), ("max_vertices", 3), ("max_vertices", 10.5), ("min_vertices", -4),
+    ("min_edge", 0), ("max_edge", "x"), ("min_aspect", 1), ("min_aspect", 0),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "value"), OPTIONS)
-def test_options_are_refused_with_the_same_words(name, value, tool, tmp_path):
+def test_bad_options_give_the_same_message(name, value, tool, tmp_path):
     error = error_of(lambda: isoatlas.extract(torus(), 0.0, **{name: value}))
     assert isinstance(error, isoatlas.BadArgumentError)
     option = "--" + name.replace("_", "-")
@@ -60,29 +68,53 @@ def test_options_are_refused_with_the_same_words(name, value, tool, tmp_path):
     assert str(error) == line.replace(option, name, 1), line
 
 
-def test_too_much_supersampling_is_refused_with_the_same_words(tool, tmp_path):
+def test_too_much_supersampling_gives_the_same_message(tool, tmp_path):
     error = error_of(lambda: isoatlas.extract(isoatlas.read(PROTEIN), 100, supersample=1000))
     assert isinstance(error, isoatlas.BadArgumentError) and "times at most" in str(error)
-    assert str(error) == line_of(tool, PROTEIN, "--iso", "100", "--supersample", "1000", "-o", tmp_path / "m.ply")
+    options = ["--iso", "100", "--supersample", "1000", "-o", tmp_path / "m.ply"]
+    assert str(error) == line_of(tool, PROTEIN, *options)
 
 
-def test_values_are_taken_without_regard_to_case_and_blanks():
+def test_values_ignore_case_and_blanks():
     volume = torus()
-    options = {"space": " LPS", "inside": "Above", "covering": "sizing_field", "max_distance": "0.5 VX", "coarse": False}
+    options = {
+        "space": " LPS",
+        "inside": "Above",
+        "covering": "sizing_field",
+        "max_distance": "0.5 VX",
+        "coarse": False,
+    }
     assert isoatlas.extract(volume, 0.0, **options).levels
 
 
-@pytest.mark.parametrize("spec", ["max-distance", "", "max-distance:", "distance:1", "max-distance:0", "max-distance:1,max-distance:2"])
-def test_refine_is_refused_with_the_same_words(spec, tool, tmp_path):
+@pytest.mark.parametrize(
+    "spec",
+    [
+        "max-distance",
+        "",
+        "max-distance:",
+        "distance:1",
+        "max-distance:0",
+        "max-distance:1,max-distance:2",
+    ],
+)
+def test_bad_refine_gives_the_same_message(spec, tool, tmp_path):
     error = error_of(lambda: isoatlas.extract(torus(), 0.0, refine=spec))
-    line = line_of(tool, PROTEIN, "--iso", "100", "--refine", spec, "-o", tmp_path / "m.ply") if spec else "--refine: " + str(error)[8:]
+    if not spec:  # the command line refuses an empty value earlier
+        assert str(error).startswith("refine: ")
+        return
+    options = ["--iso", "100", "--refine", spec, "-o", tmp_path / "m.ply"]
+    line = line_of(tool, PROTEIN, *options)
     assert str(error) == line.replace("--refine", "refine", 1)
 
 
 def test_refine_in_other_forms():
-    assert "there is no constraint 'distance'" in str(error_of(lambda: isoatlas.extract(torus(), 0.0, refine={"distance": 1})))
-    assert "at least one bound" in str(error_of(lambda: isoatlas.extract(torus(), 0.0, refine={})))
-    assert "without refine" in str(error_of(lambda: isoatlas.extract(torus(), 0.0, refine="max-distance:1", coarse=True)))
+    def text_of(**options):
+        return str(error_of(lambda: isoatlas.extract(torus(), 0.0, **options)))
+
+    assert "there is no constraint 'distance'" in text_of(refine={"distance": 1})
+    assert "at least one bound" in text_of(refine={})
+    assert "without refine" in text_of(refine="max-distance:1", coarse=True)
     for refine in (3, [3], [["max-distance", 1]]):
         with pytest.raises(TypeError):
             isoatlas.extract(torus(), 0.0, refine=refine)
@@ -104,19 +136,29 @@ def test_isovalues(tool, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["missing.nrrd", "empty.nrrd", "text.nrrd", "volume.xyz"])
-def test_files_are_refused_with_the_same_words(name, tool, tmp_path):
+def test_bad_files_give_the_same_message(name, tool, tmp_path):
     path = tmp_path / name
     if name != "missing.nrrd":
-        path.write_text({"empty.nrrd": "", "text.nrrd": "NRRD0004\nnonsense", "volume.xyz": "x"}[name])
+        path.write_text(
+            {"empty.nrrd": "", "text.nrrd": "NRRD0004\nnonsense", "volume.xyz": "x"}[name]
+        )
     error = error_of(lambda: isoatlas.read(path))
     line = line_of(tool, path, "--iso", "1", "-o", tmp_path / "m.ply")
-    assert line == str(error) or line.startswith(str(error) + "; ")  # what to type instead comes behind
+    # The command line may append what to type instead.
+    assert line == str(error) or line.startswith(str(error) + "; ")
     assert isinstance(error, ValueError if name == "volume.xyz" else OSError)
 
 
-def test_outputs_are_refused_with_the_same_words(tool, tmp_path):
+def test_bad_outputs_give_the_same_message(tool, tmp_path):
     mesh = isoatlas.extract(isoatlas.read(PROTEIN), 100, coarse=True)
-    for path in (tmp_path / "no" / "m.ply", tmp_path / "m.xyz", tmp_path / "m", tmp_path / "m-{k}.ply", tmp_path / "{level}.vtm", tmp_path):
+    for path in (
+        tmp_path / "no" / "m.ply",
+        tmp_path / "m.xyz",
+        tmp_path / "m",
+        tmp_path / "m-{k}.ply",
+        tmp_path / "{level}.vtm",
+        tmp_path,
+    ):
         line = line_of(tool, PROTEIN, "--iso", "100", "--coarse", "-o", path)
         assert str(error_of(lambda: mesh.save(path))) == line
     assert list(tmp_path.iterdir()) == []
@@ -129,7 +171,7 @@ def test_outputs_are_refused_with_the_same_words(tool, tmp_path):
     assert "the report would replace the mesh" in str(error)
 
 
-def test_what_exists_is_not_harmed_by_what_fails(tmp_path):
+def test_failed_outputs_leave_existing_files_unchanged(tmp_path):
     (tmp_path / "m.ply").write_text("old")
     mesh = isoatlas.extract(torus(), 0.0, coarse=True)
     error_of(lambda: mesh.save(tmp_path / "m.ply", report=tmp_path / "no" / "m.json"))
@@ -159,12 +201,18 @@ def test_geometry_is_refused(options, message):
 
 def test_sheared_direction_is_unsupported():
     sheared = np.array([[1, 0.6, 0], [0, 0.8, 0], [0, 0, 1]])
-    assert isinstance(error_of(lambda: isoatlas.extract(torus(), 0.0, direction=sheared)), isoatlas.UnsupportedError)
+    error = error_of(lambda: isoatlas.extract(torus(), 0.0, direction=sheared))
+    assert isinstance(error, isoatlas.UnsupportedError)
     assert len(isoatlas.extract(torus(), 0.0, direction=sheared, coarse=True).faces) > 0
 
 
 def test_wrong_types_are_type_errors():
-    for options in ({"spacing": 1.0}, {"progress": 3}, {"threads": "a" and [1]}, {"supersample": True}):
+    for options in (
+        {"spacing": 1.0},
+        {"progress": 3},
+        {"threads": "a" and [1]},
+        {"supersample": True},
+    ):
         with pytest.raises(TypeError):
             isoatlas.extract(torus(), 0.0, **options)
     with pytest.raises(TypeError, match=r"isoatlas.read\(path\)"):
@@ -175,7 +223,12 @@ def test_wrong_types_are_type_errors():
 
 def test_a_volume_has_its_own_geometry():
     volume = isoatlas.read(PROTEIN)
-    for options in ({"spacing": (2, 2, 2)}, {"origin": (0, 0, 1)}, {"direction": np.eye(3)}, {"order": "ijk"}):
+    for options in (
+        {"spacing": (2, 2, 2)},
+        {"origin": (0, 0, 1)},
+        {"direction": np.eye(3)},
+        {"order": "ijk"},
+    ):
         error = error_of(lambda: isoatlas.extract(volume, 100, **options))
         assert str(error).startswith(next(iter(options)) + ": ")
 

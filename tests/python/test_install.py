@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Installs the module, from a fresh copy of the sources, as docs/python.md tells, and by CMake. Without a network."""
+"""Installs the module from a fresh copy of the sources, as in docs/python.md, and by CMake.
+
+Both work without a network.
+"""
+
 import os
 import subprocess
 import sys
@@ -18,7 +22,11 @@ print(isoatlas.__file__, mesh)
 
 
 def environment(**more):
-    return {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "PYTHONDONTWRITEBYTECODE")} | more
+    return {
+        key: value
+        for key, value in os.environ.items()
+        if key not in ("PYTHONPATH", "PYTHONDONTWRITEBYTECODE")
+    } | more
 
 
 def run(*command, **options):
@@ -29,9 +37,10 @@ def run(*command, **options):
 
 @pytest.fixture
 def sources(tmp_path):
-    """The files that git knows or would take, as they are now."""
+    """A copy of all files that git tracks or would add."""
+    options = "-z --cached --others --exclude-standard".split()
     try:
-        files = run("git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard").split("\0")
+        files = run("git", "-C", ROOT, "ls-files", *options).split("\0")
     except (AssertionError, FileNotFoundError):
         pytest.skip("not a git repository")
     copy = tmp_path / "sources"
@@ -44,24 +53,29 @@ def sources(tmp_path):
 
 
 def test_pip(sources, tmp_path):
-    (_, _, commands), = [block for block in snippets(PAGE) if block[0] == "sh"]
-    _, *lines = commands.strip().splitlines()  # the first one installs what the build needs, which is there
+    ((_, _, commands),) = [block for block in snippets(PAGE) if block[0] == "sh"]
+    # The first command installs what the build needs; the test machine has it.
+    _, *lines = commands.strip().splitlines()
     script = "\n".join(lines).replace("python3 ", f"{sys.executable} ", 1)
-    run("bash", "-euc", script, cwd=sources, env=environment(CMAKE_BUILD_PARALLEL_LEVEL="2", CMAKE_ARGS="-DCMAKE_BUILD_TYPE=Debug"))  # compiles in half the time
-    printed = run(sources / "venv/bin/python", "-c", TRY, ROOT / "samples/protein_iron.nhdr", cwd=tmp_path, env=environment())
+    # A debug build takes half the time.
+    build = environment(CMAKE_BUILD_PARALLEL_LEVEL="2", CMAKE_ARGS="-DCMAKE_BUILD_TYPE=Debug")
+    run("bash", "-euc", script, cwd=sources, env=build)
+    command = [sources / "venv/bin/python", "-c", TRY, ROOT / "samples/protein_iron.nhdr"]
+    printed = run(*command, cwd=tmp_path, env=environment())
     assert str(sources / "venv") in printed and "genus 8" in printed
     files = run(sources / "venv/bin/pip", "show", "-f", "isoatlas", cwd=tmp_path, env=environment())
-    for name in ("isoatlas/py.typed", "isoatlas/_core.pyi", "isoatlas/_core.cpython", "isoatlas/errors.py"):
-        assert name in files
+    for name in ("py.typed", "_core.pyi", "_core.cpython", "errors.py"):
+        assert f"isoatlas/{name}" in files
 
 
 def test_cmake(tmp_path):
     build = os.environ.get("ISOATLAS_BUILD")
     if not build:
-        pytest.skip("ISOATLAS_BUILD does not say where the build is")
+        pytest.skip("set ISOATLAS_BUILD to the build folder")
     run("cmake", "--install", build, "--prefix", tmp_path, "--component", "python")
     (package,) = tmp_path.glob("lib/python3*/*-packages/isoatlas")
-    printed = run(sys.executable, "-c", TRY, ROOT / "samples/protein_iron.nhdr", cwd="/", env=environment(PYTHONPATH=str(package.parent)))
+    command = [sys.executable, "-c", TRY, ROOT / "samples/protein_iron.nhdr"]
+    printed = run(*command, cwd="/", env=environment(PYTHONPATH=str(package.parent)))
     assert str(package) in printed
     assert (package / "py.typed").is_file() and (package / "_core.pyi").is_file()
 
@@ -79,10 +93,10 @@ except ImportError as error:
 """
 
 
-def test_numpy_2_is_refused_where_it_would_be_misread():
+def test_numpy_2_is_refused_by_an_old_pybind11():
     import isoatlas._core
 
     printed = run(sys.executable, "-c", LOAD_WITH_NUMPY_2, isoatlas._core.__file__)
     if printed == "loaded\n":
-        pytest.skip("the module was built with a pybind11 that knows NumPy 2")
-    assert "knows NumPy 1 only, and this is NumPy 2.1.0; install numpy<2" in printed
+        pytest.skip("the module was built with a pybind11 that supports NumPy 2")
+    assert "supports only NumPy 1, and this is NumPy 2.1.0; install numpy<2" in printed

@@ -9,12 +9,13 @@ import isoatlas
 from conftest import SAMPLES, torus
 
 
-def test_volume_is_what_the_file_has():
+def test_volume_has_the_data_of_the_file():
     volume = isoatlas.read(SAMPLES / "protein_iron.nhdr")
     raw = np.fromfile(SAMPLES / "protein_iron.raw", np.uint8).reshape(68, 68, 68)
     assert isinstance(volume, isoatlas.Volume)
     assert volume.array.dtype == np.uint8 and np.array_equal(volume.array, raw)
-    assert volume.array.flags.c_contiguous and volume.array.flags.writeable and not volume.array.flags.owndata
+    flags = volume.array.flags
+    assert flags.c_contiguous and flags.writeable and not flags.owndata
     assert volume.spacing == (1.0, 1.0, 1.0) and volume.path == SAMPLES / "protein_iron.nhdr"
     assert np.array_equal(volume.direction, np.eye(3))
 
@@ -22,76 +23,102 @@ def test_volume_is_what_the_file_has():
 def test_array_outlives_the_volume():
     array = isoatlas.read_volume(SAMPLES / "protein_iron.nhdr").array
     gc.collect()
-    rubbish = [np.full(array.size, 99, np.uint8) for _ in range(20)]
-    assert np.array_equal(array.ravel(), np.fromfile(SAMPLES / "protein_iron.raw", np.uint8)) and rubbish
-    array[:] = 0  # it is the user's
+    # New arrays would overwrite the memory if it had been freed.
+    fillers = [np.full(array.size, 99, np.uint8) for _ in range(20)]
+    expected = np.fromfile(SAMPLES / "protein_iron.raw", np.uint8)
+    assert np.array_equal(array.ravel(), expected) and fillers
+    array[:] = 0  # users may change it
 
 
 def test_headerless_files(tmp_path):
     samples = np.arange(2 * 3 * 4, dtype=">i2").reshape(2, 3, 4)
-    samples.tofile(tmp_path / "v.ply")  # whatever its name
-    volume = isoatlas.read(tmp_path / "v.ply", raw_size=(4, 3, 2), raw_type="int16", raw_spacing=(1, 2, 3.5), raw_endian="big")
+    samples.tofile(tmp_path / "v.ply")  # the extension does not matter
+    volume = isoatlas.read(
+        tmp_path / "v.ply",
+        raw_size=(4, 3, 2),
+        raw_type="int16",
+        raw_spacing=(1, 2, 3.5),
+        raw_endian="big",
+    )
     assert np.array_equal(volume.array, samples) and volume.spacing == (1.0, 2.0, 3.5)
     for options, message in (
         ({"raw_size": (4, 3, 2)}, "expected both"),
         ({"raw_endian": "big"}, "expected raw_size"),
-        ({"raw_size": (4, 3), "raw_type": "int16"}, "raw_size: expected three whole numbers like 256,256,94, got '4,3'"),
-        ({"raw_size": (4, 3, 2), "raw_type": "half"}, "raw_type: expected one of int8, .* got 'half'"),
-        ({"raw_size": (4, 3, 2), "raw_type": "int16", "raw_spacing": (0, 1, 1)}, "raw_spacing: expected three positive numbers"),
+        (
+            {"raw_size": (4, 3), "raw_type": "int16"},
+            "raw_size: expected three whole numbers like 256,256,94, got '4,3'",
+        ),
+        (
+            {"raw_size": (4, 3, 2), "raw_type": "half"},
+            "raw_type: expected one of int8, .* got 'half'",
+        ),
+        (
+            {"raw_size": (4, 3, 2), "raw_type": "int16", "raw_spacing": (0, 1, 1)},
+            "raw_spacing: expected three positive numbers",
+        ),
     ):
         with pytest.raises(isoatlas.BadArgumentError, match=message):
             isoatlas.read(tmp_path / "v.ply", **options)
 
 
 @pytest.mark.parametrize("extension", ["ply", "obj", "off", "vtp", "stl", "3mf", "gii"])
-def test_meshes_come_back(extension, tmp_path):
+def test_meshes_can_be_read_back(extension, tmp_path):
     mesh = isoatlas.extract(torus(), 0.0)
     mesh.save(tmp_path / f"m.{extension}")
     back = isoatlas.read(str(tmp_path / f"m.{extension}"))
     assert isinstance(back, isoatlas.Mesh) and len(back.levels) == 1 and back.levels[0].report == {}
     if extension == "stl":
         assert len(back.faces) == len(mesh.faces) and len(back.vertices) == len(mesh.vertices)
-    elif extension == "gii":  # nobody said what the array's axes are: they stay as they are
-        assert np.array_equal(back.vertices, mesh.vertices.astype("float32")) and np.array_equal(back.faces, mesh.faces)
+    elif extension == "gii":  # the array's axes have no known meaning: they are not converted
+        assert np.array_equal(back.vertices, mesh.vertices.astype("float32"))
+        assert np.array_equal(back.faces, mesh.faces)
     else:
-        assert np.array_equal(back.vertices, mesh.vertices) and np.array_equal(back.faces, mesh.faces)
+        assert np.array_equal(back.vertices, mesh.vertices)
+        assert np.array_equal(back.faces, mesh.faces)
     assert repr(back) == f"<isoatlas.Mesh: {len(back.vertices)} vertices, {len(back.faces)} faces>"
 
 
 @pytest.mark.parametrize("extension", ["glb", "vtm"])
 @pytest.mark.parametrize("placement", ["surface", "balanced"])
-def test_levels_come_back(extension, placement, tmp_path):
-    mesh = isoatlas.extract(torus(), 0.0, refine=["max-distance:1vx", "max-distance:0.5vx"], placement=placement)
+def test_levels_can_be_read_back(extension, placement, tmp_path):
+    mesh = isoatlas.extract(
+        torus(), 0.0, refine=["max-distance:1vx", "max-distance:0.5vx"], placement=placement
+    )
     mesh.save(tmp_path / f"m.{extension}")
     back = isoatlas.read_mesh(tmp_path / f"m.{extension}")
     assert len(back.levels) == 3 and back.placement == placement
     for ours, theirs in zip(mesh.levels, back.levels):
         assert np.array_equal(ours.faces, theirs.faces)
-        assert np.allclose(ours.vertices, theirs.vertices, atol=0 if extension == "vtm" else 1e-5, rtol=0)
-        assert [theirs.report[key] for key in ("level", "genus")] == [ours.report[key] for key in ("level", "genus")]
-        for name, metric in ours.report["metrics"].items():  # of the file: with its rounding
-            said = theirs.report["metrics"][name]
-            assert said["maximum"] == pytest.approx(metric["maximum"], abs=0 if extension == "vtm" else 1e-5)
-            assert said["maximum"] >= metric["maximum"]
+        rounding = 0 if extension == "vtm" else 1e-5
+        assert np.allclose(ours.vertices, theirs.vertices, atol=rounding, rtol=0)
+        for key in ("level", "genus"):
+            assert theirs.report[key] == ours.report[key]
+        for name, metric in ours.report["metrics"].items():
+            # The maximum in the file includes the rounding of its vertices.
+            maximum = theirs.report["metrics"][name]["maximum"]
+            assert maximum == pytest.approx(metric["maximum"], abs=rounding)
+            assert maximum >= metric["maximum"]
     back.save(tmp_path / f"again.{extension}")
     again = isoatlas.read_mesh(tmp_path / f"again.{extension}")
     assert again.report == back.report
     for ours, theirs in zip(again.levels, back.levels):
-        assert ours.vertices.tobytes() == theirs.vertices.tobytes() and ours.faces.tobytes() == theirs.faces.tobytes()
+        assert ours.vertices.tobytes() == theirs.vertices.tobytes()
+        assert ours.faces.tobytes() == theirs.faces.tobytes()
     with pytest.raises(isoatlas.BadArgumentError, match="report: these levels were read"):
         back.save(tmp_path / "m.ply", report=tmp_path / "m.json")
 
 
-def test_levels_without_facts_can_be_saved_apart(tmp_path):
+def test_levels_without_a_report_can_be_saved(tmp_path):
     isoatlas.extract(torus(), 0.0).save(tmp_path / "m.ply")
     mesh = isoatlas.read_mesh(tmp_path / "m.ply")
     mesh.save(tmp_path / "n.glb", glb_per_level=True)
     mesh.save(tmp_path / "o-{level}.glb")
     assert len(json.loads((tmp_path / "n.json").read_text())["levels"]) == 1
-    assert len(isoatlas.read_mesh(tmp_path / "n-0.glb").faces) == len(isoatlas.read_mesh(tmp_path / "o-0.glb").faces) == len(mesh.faces)
+    for name in ("n-0.glb", "o-0.glb"):
+        assert len(isoatlas.read_mesh(tmp_path / name).faces) == len(mesh.faces)
 
 
-def test_a_volume_of_ones_own():
+def test_volume_made_by_the_user():
     volume = isoatlas.Volume(torus(), spacing=(1, 2, 3), origin=(4, 5, 6))
     ours = isoatlas.extract(volume, 0.0)
     theirs = isoatlas.extract(torus(), 0.0, spacing=(1, 2, 3), origin=(4, 5, 6), order="xyz")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Long work: other threads go on, progress is told, and Ctrl-C ends it."""
+"""Long computations: other threads keep running, progress is reported, and Ctrl-C ends them."""
+
 import os
 import signal
 import subprocess
@@ -18,7 +19,7 @@ NOISE = np.random.default_rng(1).random((26, 26, 26)).astype(np.float32)
 FAST = {"coarse": True, "allow_self_intersections": True}
 
 
-def test_other_threads_go_on():
+def test_other_threads_keep_running():
     steps, stop = [0], threading.Event()
 
     def count():
@@ -33,36 +34,47 @@ def test_other_threads_go_on():
         while seconds < 1:
             isoatlas.extract(NOISE, 0.5, threads=1, **FAST)
             seconds = time.monotonic() - started
-        made = steps[0] - before
+        counted = steps[0] - before
     finally:
         stop.set()
         thread.join()
-    assert made > 20 * seconds  # nearly none with the lock held
+    assert counted > 20 * seconds  # almost 0 if the interpreter's lock were kept
 
 
 def test_several_at_once():
     results = {}
-    threads = [threading.Thread(target=lambda k=k: results.update({k: isoatlas.extract(torus(), 0.1 * k)})) for k in range(4)]
+    threads = [
+        threading.Thread(target=lambda k=k: results.update({k: isoatlas.extract(torus(), 0.1 * k)}))
+        for k in range(4)
+    ]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     for k in range(4):
-        assert results[k].vertices.tobytes() == isoatlas.extract(torus(), 0.1 * k).vertices.tobytes()
+        expected = isoatlas.extract(torus(), 0.1 * k)
+        assert results[k].vertices.tobytes() == expected.vertices.tobytes()
 
 
-def test_progress_is_told_on_this_thread():
+def test_progress_is_reported_on_the_calling_thread():
     seen = []
-    isoatlas.extract(NOISE[:16, :16, :16], 0.5, progress=lambda stage, fraction: seen.append((stage, fraction, threading.get_ident())), **FAST)
+    isoatlas.extract(
+        NOISE[:16, :16, :16],
+        0.5,
+        progress=lambda stage, fraction: seen.append((stage, fraction, threading.get_ident())),
+        **FAST,
+    )
     stages = list(dict.fromkeys(stage for stage, _, _ in seen))
     assert stages == ["surface", "components", "coarsen", "cover", "certify", "mesh", "check"]
-    assert all(0 <= fraction <= 1 and thread == threading.get_ident() for _, fraction, thread in seen)
+    assert all(
+        0 <= fraction <= 1 and thread == threading.get_ident() for _, fraction, thread in seen
+    )
     fractions = [fraction for _, fraction, _ in seen]
     assert fractions == sorted(fractions)
-    assert len(seen) < 2000  # however often the library tells
+    assert len(seen) < 2000  # far fewer calls than reports of the library
 
 
-def test_progress_may_call_us():
+def test_progress_may_call_extract():
     inner = []
 
     def progress(stage, fraction):
@@ -73,7 +85,7 @@ def test_progress_may_call_us():
     assert inner[0].levels[0].report["genus"] == 1 and len(mesh.faces) > 500
 
 
-def test_what_progress_raises_ends_it():
+def test_exception_of_progress_ends_the_work():
     class Enough(Exception):
         pass
 
@@ -84,11 +96,11 @@ def test_what_progress_raises_ends_it():
     with pytest.raises(Enough, match="surface"):
         isoatlas.extract(NOISE, 0.5, progress=progress)
     assert time.monotonic() - started < 1
-    assert isoatlas.extract(torus(), 0.0).levels[0].report["genus"] == 1  # nothing is left of it
+    assert isoatlas.extract(torus(), 0.0).levels[0].report["genus"] == 1  # no effect on later calls
 
 
 def test_tqdm(capsys):
-    pytest.importorskip("tqdm", reason="tqdm is not there")
+    pytest.importorskip("tqdm", reason="tqdm is not installed")
     isoatlas.extract(NOISE[:16, :16, :16], 0.5, progress=True, **FAST)
     assert "surface" in capsys.readouterr().err
     isoatlas.check(torus()[0, :, :3] * 0, np.empty((0, 3), int), progress=False)
@@ -101,10 +113,14 @@ def test_no_tqdm(monkeypatch):
 
 
 def interrupted(work, after, tail="", n=160):
-    """Runs `work` in a Python of its own and sends SIGINT `after` seconds into it. @return seconds until KeyboardInterrupt, the rest that it printed,
-    the exit status."""
-    code = textwrap.dedent(
-        f"""
+    """Run `work` in a new Python process and send it SIGINT after `after` seconds.
+
+    Returns
+    -------
+    Seconds until KeyboardInterrupt, the output after that, the exit status, and the seconds until
+    the process ended.
+    """
+    code = textwrap.dedent(f"""
         import time
         import numpy as np
         import isoatlas
@@ -115,9 +131,10 @@ def interrupted(work, after, tail="", n=160):
             print("finished", flush=True)
         except KeyboardInterrupt:
             print(time.clock_gettime(time.CLOCK_MONOTONIC), flush=True)
-        """
-    ) + textwrap.dedent(tail)
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        """) + textwrap.dedent(tail)
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout.readline() == "ready\n"
         time.sleep(after)
         sent = time.clock_gettime(time.CLOCK_MONOTONIC)
@@ -135,13 +152,12 @@ def test_ctrl_c_within_a_second(after):
     latency, _, status, until_end = interrupted("isoatlas.extract(noise, 0.5)", after)
     print(f"KeyboardInterrupt after {latency:.3f} s, process ended after {until_end:.3f} s")
     assert latency < 1
-    assert status == 0 and until_end < 2  # work that was given up does not hold it up
+    assert status == 0 and until_end < 2  # the process does not wait for abandoned work
 
 
 def test_ctrl_c_while_files_are_written(tmp_path):
-    """Nothing appears after KeyboardInterrupt, and nothing is left behind."""
-    code = textwrap.dedent(
-        """
+    """After KeyboardInterrupt no file appears, and no temporary file remains."""
+    code = textwrap.dedent("""
         import os, threading, signal, time
         import numpy as np
         import isoatlas
@@ -155,24 +171,23 @@ def test_ctrl_c_while_files_are_written(tmp_path):
                 os.remove("m.obj")
         except KeyboardInterrupt:
             print(time.monotonic() - started)
-        while isoatlas._core.given_up_work():
+        while isoatlas._core.abandoned_work_count():
             time.sleep(0.01)
-        """
-    )
+        """)
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode == 0, run.stderr
     assert float(run.stdout) < 1.05
     assert [name for name in os.listdir(tmp_path) if name != "m.obj"] == []  # no hidden folders
 
 
-def test_a_process_that_ends_while_files_are_written_leaves_none(tmp_path):
-    code = textwrap.dedent(
-        """
+def test_process_that_ends_while_writing_leaves_no_files(tmp_path):
+    code = textwrap.dedent("""
         import os, threading, signal
         import numpy as np
         import isoatlas
-        n = 3 * 2**22  # a mesh that takes long to write as text, and is quickly made
-        header = f"ply\\nformat binary_little_endian 1.0\\nelement vertex {n}\\nproperty double x\\nproperty double y\\nproperty double z\\n"
+        n = 3 * 2**22  # a mesh that is made quickly, but takes long to write as text
+        header = f"ply\\nformat binary_little_endian 1.0\\nelement vertex {n}\\n"
+        header += "property double x\\nproperty double y\\nproperty double z\\n"
         header += f"element face {n // 3}\\nproperty list uchar int vertex_indices\\nend_header\\n"
         faces = np.empty(n // 3, dtype=[("count", "u1"), ("corners", "<i4", 3)])
         faces["count"], faces["corners"] = 3, np.arange(n).reshape(-1, 3)
@@ -185,19 +200,19 @@ def test_a_process_that_ends_while_files_are_written_leaves_none(tmp_path):
         try:
             mesh.save("m.obj")
         except KeyboardInterrupt:
-            print(isoatlas._core.given_up_work(), before == sorted(n for n in os.listdir(".") if not n.startswith(".isoatlas")))
-        """
-    )
+            visible = sorted(n for n in os.listdir(".") if not n.startswith(".isoatlas"))
+            print(isoatlas._core.abandoned_work_count(), before == visible)
+        """)
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
-    assert run.stdout == "1 True\n", run.stdout + run.stderr  # else there was nothing to clear away
+    assert run.stdout == "1 True\n", run.stdout + run.stderr  # else no work was abandoned
     assert sorted(os.listdir(tmp_path)) == ["big.ply"]
 
 
-def test_work_goes_on_after_ctrl_c():
-    """The session stays usable, and memory comes back."""
+def test_session_continues_after_ctrl_c():
+    """The session stays usable, and memory is released."""
     tail = """
     import resource
-    while isoatlas._core.given_up_work():
+    while isoatlas._core.abandoned_work_count():
         time.sleep(0.01)
     peaks = []
     import threading, os, signal
@@ -207,18 +222,19 @@ def test_work_goes_on_after_ctrl_c():
             isoatlas.extract(noise, 0.5)
         except KeyboardInterrupt:
             pass
-        while isoatlas._core.given_up_work():
+        while isoatlas._core.abandoned_work_count():
             time.sleep(0.01)
         with open("/proc/self/statm") as file:
             peaks.append(int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
-    print(max(peaks) - peaks[0] < 0.5 * 2**30, isoatlas.extract(noise[:20, :20, :20], 0.5, coarse=True).levels[0].report["level"], peaks)
+    mesh = isoatlas.extract(noise[:20, :20, :20], 0.5, coarse=True)
+    print(max(peaks) - peaks[0] < 0.5 * 2**30, mesh.levels[0].report["level"], peaks)
     """
     latency, rest, status, _ = interrupted("isoatlas.extract(noise, 0.5)", 0.3, tail=tail, n=128)
     assert latency < 1 and status == 0
     assert rest.startswith("True 0"), rest
 
 
-def test_a_handler_of_ones_own_is_called():
+def test_exception_of_a_signal_handler_ends_the_work():
     class Stop(Exception):
         pass
 
@@ -250,7 +266,9 @@ def test_a_handler_that_returns_changes_nothing():
 
 def test_not_on_the_main_thread():
     results = []
-    thread = threading.Thread(target=lambda: results.append(isoatlas.extract(torus(), 0.0, progress=lambda *_: None)))
+    thread = threading.Thread(
+        target=lambda: results.append(isoatlas.extract(torus(), 0.0, progress=lambda *_: None))
+    )
     thread.start()
     thread.join()
     assert results[0].levels[0].report["genus"] == 1

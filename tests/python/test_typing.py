@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Types and docstrings."""
+
 import inspect
 import os
 import pathlib
@@ -12,15 +13,22 @@ import isoatlas
 from conftest import ROOT
 
 
-@pytest.mark.parametrize("what", [ROOT / "python" / "isoatlas", pathlib.Path(__file__).with_name("usage_for_mypy.py")])
-def test_mypy_is_content(what, tmp_path):
+@pytest.mark.parametrize(
+    "what", [ROOT / "python" / "isoatlas", pathlib.Path(__file__).with_name("usage_for_mypy.py")]
+)
+def test_mypy_finds_no_errors(what, tmp_path):
     mypy = shutil.which("mypy")
     if mypy is None:
-        pytest.skip("mypy is not there")
+        pytest.skip("mypy is not installed")
+    files = ["--config-file", ROOT / "pyproject.toml", "--cache-dir", tmp_path, what]
+    environment = {**os.environ, "MYPYPATH": str(ROOT / "python"), "PYTHONPATH": ""}
     run = subprocess.run(
-        [mypy, "--strict", "--warn-unused-ignores", "--config-file", ROOT / "pyproject.toml", "--cache-dir", tmp_path, what],
-        capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "MYPYPATH": str(ROOT / "python"), "PYTHONPATH": ""},
-    )  # fmt: skip
+        [mypy, "--strict", "--warn-unused-ignores", *files],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=environment,
+    )
     assert run.returncode == 0, run.stdout + run.stderr
 
 
@@ -36,19 +44,30 @@ def public():
 
 
 @pytest.mark.parametrize(("name", "it"), list(public()))
-def test_all_that_is_public_says_what_it_is(name, it):
+def test_public_names_have_docstrings(name, it):
     assert it.__doc__ and len(it.__doc__.strip()) > 10
 
 
-@pytest.mark.parametrize("function", [isoatlas.extract, isoatlas.check, isoatlas.marching_cubes, isoatlas.read_volume])
-def test_each_parameter_is_told(function):
+@pytest.mark.parametrize(
+    "function", [isoatlas.extract, isoatlas.check, isoatlas.marching_cubes, isoatlas.read_volume]
+)
+def test_docstrings_describe_each_parameter(function):
     text = function.__doc__.split("Parameters\n")[1].split("Returns\n")[0]
-    named = {name.strip() for line in text.splitlines() if line.startswith("    ") and not line.startswith("     ") for name in line.split(" :")[0].split(",")}
-    missing = [name for name in inspect.signature(function).parameters if name not in named and f"``{name}``" not in function.__doc__]
+    named = {
+        name.strip()
+        for line in text.splitlines()
+        if line.startswith("    ") and not line.startswith("     ")
+        for name in line.split(" :")[0].split(",")
+    }
+    missing = [
+        name
+        for name in inspect.signature(function).parameters
+        if name not in named and f"``{name}``" not in function.__doc__
+    ]
     assert missing == []
 
 
-def test_the_stub_has_what_the_extension_has():
+def test_stub_has_all_names_of_the_extension():
     from isoatlas import _core
 
     stub = (ROOT / "python" / "isoatlas" / "_core.pyi").read_text()

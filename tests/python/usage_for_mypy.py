@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What users write; test_typing.py looks at the types."""
+"""Typical code of users. test_typing.py checks its types with mypy."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -16,14 +17,32 @@ def bar(stage: str, fraction: float) -> None:
 
 
 def use(array: npt.NDArray[np.int16], folder: Path) -> float:
-    volume: isoatlas.Volume = isoatlas.read_volume(folder / "v.nrrd", raw_size=(1, 2, 3), raw_type="int8")
-    mesh: isoatlas.Mesh = isoatlas.extract(volume, 300.5, max_distance="0.5vx", refine=[{"max_distance": 2, "normal_angle": "20deg"}, "max-edge:3"])
-    mesh = isoatlas.extract(array, 3, spacing=[1, 2, 3], direction=np.eye(3), order="xyz", inside="below", progress=bar, threads=2)
+    volume: isoatlas.Volume = isoatlas.read_volume(
+        folder / "v.nrrd", raw_size=(1, 2, 3), raw_type="int8"
+    )
+    mesh: isoatlas.Mesh = isoatlas.extract(
+        volume,
+        300.5,
+        max_distance="0.5vx",
+        refine=[{"max_distance": 2, "normal_angle": "20deg"}, "max-edge:3"],
+    )
+    mesh = isoatlas.extract(
+        array,
+        3,
+        spacing=[1, 2, 3],
+        direction=np.eye(3),
+        order="xyz",
+        inside="below",
+        progress=bar,
+        threads=2,
+    )
     mesh = isoatlas.extract(array, np.float32(3), progress=True)
     vertices: npt.NDArray[np.float64] = mesh.levels[0].vertices
     faces: npt.NDArray[np.uint32] = mesh.faces
     mesh.save(folder / "m.glb", report="m.json", glb_per_level=True)
-    verts, triangles, normals, values = isoatlas.marching_cubes(array, 1.5, spacing=(1.0, 1.0, 2.0), step_size=2)
+    verts, triangles, normals, values = isoatlas.marching_cubes(
+        array, 1.5, spacing=(1.0, 1.0, 2.0), step_size=2
+    )
     normal: npt.NDArray[np.float32] = normals
     report = isoatlas.check(vertices, faces, self_intersections=True, volume=volume, iso=300.5)
     either = isoatlas.read("m.ply")
@@ -33,7 +52,13 @@ def use(array: npt.NDArray[np.int16], folder: Path) -> float:
         isoatlas.read_mesh("x")
     except errors.BadFileError as error:
         print(error.code.upper())
-    return float(report["distance"]["maximum"]) + float(normal[0, 0]) + float(values[0]) + len(triangles) + float(verts[0, 0])
+    return (
+        float(report["distance"]["maximum"])
+        + float(normal[0, 0])
+        + float(values[0])
+        + len(triangles)
+        + float(verts[0, 0])
+    )
 
 
 def misuse(array: npt.NDArray[np.int16]) -> None:
