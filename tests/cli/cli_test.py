@@ -2548,7 +2548,7 @@ class Picture(ToolTest):
         for pattern, options in [("levels 0 to 2", ["--level", "3"]), ("--size", ["--size", "100"]),
                                  ("16 to 8192", ["--size", "8,100"]),
                                  ("--up: expected .* not all 0", ["--up", "0,0,0"]),
-                                 ("two directions", ["--view", "0,0,2", "--up", "0,0,1"]),
+                                 ("must not be zero or parallel", ["--view", "0,0,2", "--up", "0,0,1"]),
                                  ("--view: expected .* not all 0", ["--view", "0,0,0"]),
                                  ("front, back", ["--view", "above"]),
                                  ("--zoom: expected a number above 0, got '0'", ["--zoom", "0"]),

@@ -388,7 +388,7 @@ TEST(BadVolumes, LegacyVtk) {
       {{"raw.vtk", vtk(cut(noise(), 1)), kBad, "states 1920 bytes of samples, the file has 1919"},
        {"none.vtk", vtk(""), kBad, "the file has 0"},
        {"text.vtk", vtk(cut(as_text(noise()), 300), "ASCII"), kBad, "states 1920 numbers"},
-       {"huge.vtk", vtk(noise(), "BINARY", "100000 100000 100000"), kBad, "make 1000000000000000"},
+       {"huge.vtk", vtk(noise(), "BINARY", "100000 100000 100000"), kBad, "require 1000000000000000"},
        {"overflow.vtk", vtk(noise(), "BINARY", "4294967296 4294967296 4294967296"), kBad,
         "more than any file can hold"},
        {"negative.vtk", vtk(noise(), "BINARY", "-16 12 10"), kBad, ""},

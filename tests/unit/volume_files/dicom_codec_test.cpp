@@ -151,7 +151,7 @@ TEST(DicomCodec, FramesAndFragmentsMustMatch) {
                  "4 compressed fragments, which cannot be assigned to its 3 frames");
   changed = whole;
   changed.fragments[1] = "";
-  expect_damaged(changed.file(), "is no JPEG-LS image");
+  expect_damaged(changed.file(), "not a JPEG-LS image");
 }
 
 TEST(DicomCodec, AnImageOfAnotherSizeIsAnError) {

@@ -110,7 +110,7 @@ TEST(Dicom, TwoSlicesAtOnePositionAreAnError) {
   write_slice(folder.path(), {.file = "b", .position = {0, 2, 0}, .value = 0});
   write_slice(folder.path(), {.file = "c", .position = {0, 2, 0}, .value = 0});
   write_slice(folder.path(), {.file = "d", .position = {0, 4, 0}, .value = 0});
-  expect_error(ErrorCode::unsupported, "more than one volume", folder.path(),
+  expect_error(ErrorCode::unsupported, "several volumes", folder.path(),
                [&] { read_volume(folder.path()); });
 }
 

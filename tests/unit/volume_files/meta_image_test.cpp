@@ -300,7 +300,7 @@ TEST(MetaImageSamples, IntensityFunctionIsNotApplied) {
           .file();
   EXPECT_EQ(samples_of(file.volume), counted(24));
   EXPECT_EQ(file.source.warnings, Strings{"states an ElementToIntensityFunction (slope 2, offset "
-                                          "-1024), which isoatlas does not apply, as in ITK"});
+                                          "-1024), which is not applied, as in ITK"});
   EXPECT_EQ(
       MetaFile(small(kSpacing +
                      "ElementToIntensityFunctionSlope = 1\nElementToIntensityFunctionOffset = 0\n"))
