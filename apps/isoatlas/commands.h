@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of the tool. Each returns an exit status. Errors are thrown; main() prints them as
-// one line.
+// The commands of the tool. Each returns an exit status. Errors are thrown; run_tool() prints them
+// as one line.
 #pragma once
 
 #include "arguments.h"

@@ -4,16 +4,17 @@
 #include <array>
 #include <vector>
 
+#include "command_words.h"
 #include "isoatlas/error.h"
 
 namespace isoatlas::detail::tool {
 namespace {
 
-using Words = std::vector<std::string_view>;
+using ValueWords = std::vector<std::string_view>;
 
 struct OptionWords {
   std::string_view option;
-  Words words;
+  ValueWords words;
 };
 
 const std::array<OptionWords, 10>& option_words() {
@@ -47,8 +48,6 @@ std::vector<std::string> names_of(const CLI::Option& option) {
   for (const std::string& name : option.get_lnames()) out.push_back("--" + name);
   return out;
 }
-
-bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
 /// The options of a command, without positional arguments.
 std::vector<const CLI::Option*> options_of(const CLI::App& command) {

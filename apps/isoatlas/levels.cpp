@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The levels of a file, and whether they are nested.
-struct Levels {
+struct LevelsOfFile {
   std::vector<LevelFacts> facts;
   std::optional<bool> nested;
   std::string about_nesting;
@@ -58,9 +58,9 @@ std::optional<std::size_t> first_difference(const std::vector<Vec3>& coarse,
   return std::nullopt;
 }
 
-Levels levels_of_meshes(const fs::path& path) {
+LevelsOfFile levels_of_meshes(const fs::path& path) {
   const HierarchyFile file = read_hierarchy(path);
-  Levels levels;
+  LevelsOfFile levels;
   levels.nested = true;
   levels.about_nesting =
       "yes: every vertex of a level is in the next one, at the same index, bit by bit";
@@ -89,7 +89,7 @@ Levels levels_of_meshes(const fs::path& path) {
   return levels;
 }
 
-Levels read_levels(const fs::path& path) {
+LevelsOfFile facts_of_file(const fs::path& path) {
   if (is_hierarchy_path(path)) return levels_of_meshes(path);
   if (!has_extension(path, ".json"))
     throw Error(
@@ -135,7 +135,7 @@ std::string distance_sampling(const LevelFacts& finest) {
   return "sampled at about 2 points per voxel face of the isosurface, and on every triangle";
 }
 
-void print_table(const std::string& path, const Levels& levels) {
+void print_table(const std::string& path, const LevelsOfFile& levels) {
   std::cout << one_line(path) << "\n";
   const Table table(levels.facts);
   std::size_t number = 0;
@@ -187,7 +187,7 @@ void print_table(const std::string& path, const Levels& levels) {
 }  // namespace
 
 int run_levels(const LevelsArguments& arguments) {
-  const Levels levels = read_levels(arguments.file);
+  const LevelsOfFile levels = facts_of_file(arguments.file);
   if (arguments.json)
     std::cout << to_json(arguments.file.string(), levels.facts, levels.nested);
   else
