@@ -29,6 +29,7 @@ PUBLIC = {
     "normals.h": "core",
     "export.h": "core",
     "volume_source.h": "core",
+    "json.h": "report",
     "self_intersections.h": "geometry",
     "options.h": "levels",
     "report.h": "levels",

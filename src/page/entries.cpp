@@ -89,8 +89,8 @@ Json to_value(const std::optional<MeshQuality>& marching_cubes) {
 
 Json parsed_report(const std::string& text, const std::string& path) {
   Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("schema") || json["schema"] != "isoatlas-report-2")
-    bad_report(path, "is not a report of isoatlas extract (schema isoatlas-report-2)");
+  if (!json.is_object() || !json.contains("schema") || json["schema"] != "isoatlas-report-3")
+    bad_report(path, "is not a report of isoatlas extract (schema isoatlas-report-3)");
   for (const char* key : {"input", "surface", "parameters", "reference"})
     if (!json.contains(key) || !json[key].is_object())
       bad_report(path, std::string("has no '") + key + "'");

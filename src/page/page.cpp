@@ -60,7 +60,7 @@ void require_pages() {
 
 std::string page_html(std::span<const PageEntry> entries, const std::filesystem::path& path) {
   require_pages();
-  Json json = {{"schema", "isoatlas-page-1"}, {"version", ISOATLAS_VERSION}};
+  Json json = {{"schema", "isoatlas-page-2"}, {"version", ISOATLAS_VERSION}};
   Json& results = json["results"] = Json::array();
   std::string geometry, title;
   for (const PageEntry& entry : entries) {

@@ -18,14 +18,14 @@ namespace isoatlas::detail {
 /// One result on a page: the levels of a mesh and the facts about them.
 struct PageEntry {
   Hierarchy hierarchy;
-  /// A JSON object: a result of the schema "isoatlas-page-1" without its geometry.
+  /// A JSON object: a result of the schema "isoatlas-page-2" without its geometry.
   std::string facts;
   /// The files that it was read from, including the volume. They may not exist any more.
   std::vector<std::filesystem::path> sources = {};
 };
 
 /// Makes an entry from a report and its levels.
-/// @param report  JSON of the schema "isoatlas-report-2"
+/// @param report  JSON of the schema "isoatlas-report-3"
 /// @param path  the file of the report, for messages
 /// @param marching_cubes  triangle shapes of marching cubes on the same volume, for comparison;
 ///        absent: not compared

@@ -115,10 +115,10 @@ std::optional<LevelFacts> facts_of_level(const std::string& text, const std::str
 std::vector<LevelFacts> facts_of_levels(const std::string& text, const std::string& path) {
   return read_json(text, path, [](const Json& json) {
     const Json schema = member(json, "schema");
-    if (schema != "isoatlas-report-2" && schema != "isoatlas-manifest-1")
+    if (schema != "isoatlas-report-3" && schema != "isoatlas-manifest-2")
       throw Error(ErrorCode::unsupported,
-                  "is not a report of isoatlas extract, expected the schema isoatlas-report-2 or "
-                  "isoatlas-manifest-1");
+                  "is not a report of isoatlas extract, expected the schema isoatlas-report-3 or "
+                  "isoatlas-manifest-2");
     std::vector<LevelFacts> levels;
     for (const Json& level : member(json, "levels"))
       if (level.is_object()) levels.push_back(facts_of(level));

@@ -8,8 +8,10 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "api/resolve_options.h"
+#include "isoatlas/json.h"
 #include "isoatlas/version.h"
 #include "report/json_values.h"
 
@@ -22,6 +24,8 @@ using report::to_text;
 namespace {
 
 using report::to_value;
+
+constexpr std::string_view kReportSchema = "isoatlas-report-3";
 
 std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
@@ -155,6 +159,73 @@ Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
   return nullptr;
 }
 
+Json surface_value(const SurfaceOptions& surface) {
+  return {{"isovalue", surface.isovalue},
+          {"inside", text(surface.inside)},
+          {"tie_rule", "a sample equal to the isovalue is inside"},
+          {"ambiguous_faces", "asymptotic decider"},
+          {"topology", text(surface.topology)}};
+}
+
+/// @param options  lengths in world units
+Json parameters_value(const ExtractOptions& options, int threads) {
+  return {{"non_finite", text(options.surface.non_finite)},
+          {"interpolation", text(options.surface.interpolation)},
+          {"supersample", options.supersample},
+          {"adaptive_supersample", options.adaptive_supersample},
+          {"space", text(options.space)},
+          {"max_radius", length_value(options.covering.max_radius)},
+          {"covering", text(options.covering.strategy)},
+          {"event_persistence", length_value(options.covering.event_persistence)},
+          {"min_component_size", options.components.min_size},
+          {"keep_components", options.components.keep_largest},
+          {"vertices_on_surface", options.vertices_on_surface},
+          {"coarse", to_value(options.coarse)},
+          {"refine", goals_value(options.refine)},
+          {"placement", text(options.placement)},
+          {"allow_self_intersections", options.allow_self_intersections},
+          {"measure_samples", options.measure_samples},
+          {"threads", threads}};
+}
+
+/// Adds the keys of the result: the reference surface, its components, and the levels.
+/// @param files  the files that contain the levels
+void add_result(Json& json, const ExtractReport& report, const std::vector<ReportFile>& files) {
+  Json& reference = json["reference"] = {{"c_vertices", report.c_vertices},
+                                         {"faces", report.faces},
+                                         {"double_segments", report.double_segments},
+                                         {"tunnels", report.tunnels}};
+  add_topology(reference, report.reference);
+  for (const auto& [name, components] :
+       {std::pair{"kept", &report.kept}, std::pair{"dropped", &report.dropped}}) {
+    Json& list = json[name] = Json::array();
+    for (const RankedComponent& component : *components) list.push_back(to_value(component));
+  }
+  json["coarsening"] = {
+      {"rounds", report.coarsening.repair_rounds},
+      {"c_vertices", report.coarser_c_vertices},
+      {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
+  json["subdivision"] = {{"c_vertices", report.subdivided_c_vertices},
+                         {"added_c_vertices", report.added_c_vertices},
+                         {"max_depth", report.max_subdivision_depth}};
+  Json& levels = json["levels"] = Json::array();
+  for (std::size_t k = 0; k < report.levels.size(); ++k) {
+    Json level = {{"path", path_of_level(files, k)}};
+    level.update(to_value(report.levels[k], k));
+    level["rounding"] = report.levels[k].rounding;
+    level["seconds"] = report.levels[k].seconds;
+    levels.push_back(std::move(level));
+  }
+}
+
+Json seconds_value(const ExtractReport& report, Json read, Json write) {
+  Json seconds = {{"read", std::move(read)}};
+  for (const StageTime& stage : report.seconds) seconds[stage.stage] = stage.seconds;
+  seconds["write"] = std::move(write);
+  seconds["total"] = report.total_seconds;
+  return seconds;
+}
+
 }  // namespace
 
 std::size_t peak_memory_bytes() {
@@ -179,65 +250,16 @@ SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh,
 std::string to_json(const ExtractReport& report, const ReportContext& context) {
   const ExtractOptions options = in_world(context.options, context.volume.grid);
   Json json;
-  json["schema"] = "isoatlas-report-2";
+  json["schema"] = kReportSchema;
   json["version"] = ISOATLAS_VERSION;
   json["command"] = context.command.empty() ? Json() : Json(context.command);
   json["input"] = to_value(context.volume);
-  json["surface"] = {{"isovalue", options.surface.isovalue},
-                     {"inside", text(options.surface.inside)},
-                     {"tie_rule", "a sample equal to the isovalue is inside"},
-                     {"ambiguous_faces", "asymptotic decider"},
-                     {"topology", text(options.surface.topology)}};
-  json["parameters"] = {{"non_finite", text(options.surface.non_finite)},
-                        {"interpolation", text(options.surface.interpolation)},
-                        {"supersample", options.supersample},
-                        {"adaptive_supersample", options.adaptive_supersample},
-                        {"space", text(options.space)},
-                        {"max_radius", length_value(options.covering.max_radius)},
-                        {"covering", text(options.covering.strategy)},
-                        {"event_persistence", length_value(options.covering.event_persistence)},
-                        {"min_component_size", options.components.min_size},
-                        {"keep_components", options.components.keep_largest},
-                        {"vertices_on_surface", options.vertices_on_surface},
-                        {"coarse", to_value(options.coarse)},
-                        {"refine", goals_value(options.refine)},
-                        {"placement", text(options.placement)},
-                        {"allow_self_intersections", options.allow_self_intersections},
-                        {"measure_samples", options.measure_samples},
-                        {"threads", context.threads}};
-
-  Json& reference = json["reference"] = {{"c_vertices", report.c_vertices},
-                                         {"faces", report.faces},
-                                         {"double_segments", report.double_segments},
-                                         {"tunnels", report.tunnels}};
-  add_topology(reference, report.reference);
-  for (const auto& [name, components] :
-       {std::pair{"kept", &report.kept}, std::pair{"dropped", &report.dropped}}) {
-    Json& list = json[name] = Json::array();
-    for (const RankedComponent& component : *components) list.push_back(to_value(component));
-  }
-  json["coarsening"] = {
-      {"rounds", report.coarsening.repair_rounds},
-      {"c_vertices", report.coarser_c_vertices},
-      {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
-  json["subdivision"] = {{"c_vertices", report.subdivided_c_vertices},
-                         {"added_c_vertices", report.added_c_vertices},
-                         {"max_depth", report.max_subdivision_depth}};
-  Json& levels = json["levels"] = Json::array();
-  for (std::size_t k = 0; k < report.levels.size(); ++k) {
-    Json level = {{"path", path_of_level(context.files, k)}};
-    level.update(to_value(report.levels[k], k));
-    level["rounding"] = report.levels[k].rounding;
-    level["seconds"] = report.levels[k].seconds;
-    levels.push_back(std::move(level));
-  }
+  json["surface"] = surface_value(options.surface);
+  json["parameters"] = parameters_value(options, context.threads);
+  add_result(json, report, context.files);
   Json& files = json["files"] = Json::array();
   for (const ReportFile& file : context.files) files.push_back(to_value(file));
-
-  Json& seconds = json["seconds"] = {{"read", context.read_seconds}};
-  for (const StageTime& stage : report.seconds) seconds[stage.stage] = stage.seconds;
-  seconds["write"] = context.write_seconds;
-  seconds["total"] = report.total_seconds;
+  json["seconds"] = seconds_value(report, context.read_seconds, context.write_seconds);
   json["peak_memory_bytes"] = context.peak_memory_bytes;
   return to_text(json);
 }
@@ -268,7 +290,7 @@ std::string level_json(const LevelReport& level, std::size_t number) {
 std::string levels_manifest(const std::vector<ReportFile>& files,
                             const std::vector<std::string>& levels) {
   Json json;
-  json["schema"] = "isoatlas-manifest-1";
+  json["schema"] = "isoatlas-manifest-2";
   json["version"] = ISOATLAS_VERSION;
   Json& list = json["levels"] = Json::array();
   for (std::size_t k = 0; k < files.size(); ++k) {
@@ -314,3 +336,18 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
 }
 
 }  // namespace isoatlas::detail
+
+namespace isoatlas {
+
+std::string to_json(const ExtractReport& report) {
+  using namespace detail;
+  report::Json json = {{"schema", kReportSchema}, {"version", ISOATLAS_VERSION}};
+  for (const char* key : {"command", "input", "surface", "parameters"}) json[key] = nullptr;
+  add_result(json, report, {});
+  json["files"] = report::Json::array();
+  json["seconds"] = seconds_value(report, nullptr, nullptr);
+  json["peak_memory_bytes"] = nullptr;
+  return report::to_text(json);
+}
+
+}  // namespace isoatlas

@@ -86,7 +86,7 @@ std::size_t peak_memory_bytes();
 /// Finds the intersecting pairs of triangles. Throws as self_intersections().
 SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const RunControl& control);
 
-/// The report as a JSON object, schema "isoatlas-report-2", with keys in a fixed order and a
+/// The report as a JSON object, schema "isoatlas-report-3", with keys in a fixed order and a
 /// newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
@@ -98,7 +98,7 @@ std::string to_json(const InfoReport& info);
 /// it with the level. The same input gives the same text.
 std::string level_json(const LevelReport& level, std::size_t number);
 
-/// A list of files with one level each, schema "isoatlas-manifest-1". It is stored in the folder of
+/// A list of files with one level each, schema "isoatlas-manifest-2". It is stored in the folder of
 /// the files and contains their names without folders.
 /// @param files   one level each, coarse to fine
 /// @param levels  the level_json() of each file; or empty

@@ -1546,13 +1546,13 @@ class Report(ToolTest):
                             f"{key} is documented and not there")
 
     def test_every_key_is_documented_and_every_documented_key_is_there(self):
-        coarse = documented("isoatlas-report-2") - {"seconds.refine"}
+        coarse = documented("isoatlas-report-3") - {"seconds.refine"}
         self.compare(self.make("--coarse"), coarse)
         self.compare(
             self.make("--coarse", "--min-component-size", "10vx", "--keep-components", "5"), coarse)
         self.compare(
             self.make("--coarse", "--max-vertices", "1000", "--max-distance", "1vx", "--placement",
-                      "balanced"), documented("isoatlas-report-2"))
+                      "balanced"), documented("isoatlas-report-3"))
         checked = self.succeed("check", "s.ply", "--json", "--self-intersections", "--volume",
                                "sphere.nrrd", "--iso", "0", "--samples", "100")
         self.assertEqual(json.loads(checked)["self_intersections"], {"pairs": 0, "first": []})
@@ -1567,20 +1567,20 @@ class Report(ToolTest):
             documented("isoatlas-check-1"))
         refined = self.make("--refine", "max-distance:1vx", "--measure-samples", "1000")
         self.compare(refined,
-                     documented("isoatlas-report-2") - ({"seconds.refine"} - leaves(refined)))
+                     documented("isoatlas-report-3") - ({"seconds.refine"} - leaves(refined)))
         self.succeed("extract", "sphere.nrrd", "--iso", "0", "--coarse", "-o", "s.glb", "-q",
                      "--glb-per-level")
         self.compare(json.loads(self.succeed("levels", "s.glb", "--json")),
                      documented("isoatlas-levels-1"))
-        of_report = {key for key in documented("isoatlas-report-2") if key.startswith("levels[].")}
+        of_report = {key for key in documented("isoatlas-report-3") if key.startswith("levels[].")}
         self.compare(
             json.loads((self.folder / "s.json").read_text()),
-            documented("isoatlas-manifest-1")
+            documented("isoatlas-manifest-2")
             | of_report - {"levels[].path", "levels[].rounding", "levels[].seconds"})
 
     def test_values_of_a_run(self):
         report = self.make("--max-radius", "3vx", "--space", "voxel", "--threads", "2", "--coarse")
-        self.assertEqual(report["schema"], "isoatlas-report-2")
+        self.assertEqual(report["schema"], "isoatlas-report-3")
         self.assertEqual(report["input"]["path"], "sphere.nrrd")
         self.assertEqual(report["input"]["size"], [20, 20, 20])
         self.assertEqual(report["input"]["sample_type"], "float32")
@@ -2449,10 +2449,10 @@ for k in range(blocks.GetNumberOfBlocks()):
         self.put("text.json", b"{")
         self.refuse("text.json", "levels", "text.json")
         self.put("other.json", b'{"schema": "isoatlas-check-1"}')
-        self.refuse("other.json.*isoatlas-report-2", "levels", "other.json")
-        self.put("wrong.json", b'{"schema": "isoatlas-report-2", "levels": [{"vertices": "many"}]}')
+        self.refuse("other.json.*isoatlas-report-3", "levels", "other.json")
+        self.put("wrong.json", b'{"schema": "isoatlas-report-3", "levels": [{"vertices": "many"}]}')
         self.refuse("wrong.json", "levels", "wrong.json")
-        self.put("negative.json", b'{"schema": "isoatlas-report-2", "levels": [{"vertices": -1}]}')
+        self.put("negative.json", b'{"schema": "isoatlas-report-3", "levels": [{"vertices": -1}]}')
         self.refuse("negative.json: vertices is -1, expected a whole number", "levels",
                     "negative.json")
         self.extract("t.glb", "--coarse", "-q")
@@ -2598,7 +2598,7 @@ class Page(ToolTest):
         self.succeed(*self.EXTRACT, "-o", "s.glb", "--html", "s.html", "--report", "s.json")
         page, geometry, text = page_parts(self.folder / "s.html")
         self.assertTrue(text.startswith("<!doctype html>"))
-        self.assertEqual(page["schema"], "isoatlas-page-1")
+        self.assertEqual(page["schema"], "isoatlas-page-2")
         result, = page["results"]
         report = json.loads((self.folder / "s.json").read_text())
         outputs = ["-o", "s.glb", "--html", "s.html", "--report", "s.json"]

@@ -81,6 +81,7 @@ int main(int, char** argv) {
   const isoatlas::Volume volume = isoatlas::read_volume(argv[1]);
   isoatlas::write_mesh(isoatlas::extract(volume, 100).mesh(), argv[2]);
   std::cout << isoatlas::mesh_topology(isoatlas::read_mesh(argv[2])).genus() << '\n';
+  std::cout << isoatlas::to_json(isoatlas::extract(volume, 100).report).substr(0, 1) << '\n';
   try {
     isoatlas::read_volume("missing.nrrd");  // an error thrown by the library
   } catch (const isoatlas::Error& error) {
@@ -89,7 +90,7 @@ int main(int, char** argv) {
 }
 """)
         self.assertEqual(run(main, ROOT / "samples/protein_iron.nhdr", self.top / "mesh.ply"),
-                         "8\n1\n")
+                         "8\n{\n1\n")
 
     def test_unknown_component_is_refused(self):
         folder = self.top / "unknown"

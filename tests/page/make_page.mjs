@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes pages of made-up results in the format of the tool ("isoatlas-page-1"), to test the page
+// Makes pages of made-up results in the format of the tool ("isoatlas-page-2"), to test the page
 // without the tool. As a program, `node make_page.mjs FOLDER` writes all of them.
 import {mkdirSync, readFileSync, writeFileSync} from "node:fs";
 import {join} from "node:path";
@@ -182,7 +182,7 @@ export function assemble(results, geometry) {
   const [script, style] = ["page.js", "page.css"].map((name) => readFileSync(join(bundleFolder, name), "utf8"));
   return `<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>${text(results[0].title)}</title><style>${style}</style></head><body>
 <noscript>This page needs JavaScript.</noscript>
-<script type="application/json" id="isoatlas-data">${safe({schema: "isoatlas-page-1", version: "0.1.0", results})}</script>
+<script type="application/json" id="isoatlas-data">${safe({schema: "isoatlas-page-2", version: "0.1.0", results})}</script>
 <script type="text/plain" id="isoatlas-geometry">${geometry.base64()}</script>
 <script>${script}</script></body></html>
 `;

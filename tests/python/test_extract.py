@@ -27,7 +27,7 @@ def test_result_has_arrays_levels_and_report():
     assert sizes == sorted(sizes) and sizes[0] < sizes[-1]
     for coarse, fine in zip(mesh.levels, mesh.levels[1:]):  # nested, at the same indices
         assert np.array_equal(coarse.vertices, fine.vertices[: len(coarse.vertices)])
-    assert mesh.report["schema"] == "isoatlas-report-2"
+    assert mesh.report["schema"] == "isoatlas-report-3"
     assert mesh.report["input"]["path"] is None and mesh.report["files"] == []
     assert [level.report["genus"] for level in mesh.levels] == [1, 1, 1]
     assert [level.report["vertices"] for level in mesh.levels] == sizes

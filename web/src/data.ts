@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the data of the page: JSON with the facts, and one base64 text with all geometry. The
-// format is "isoatlas-page-1"; src/page/ of the tool writes it.
+// format is "isoatlas-page-2"; src/page/ of the tool writes it.
 import {MeshoptDecoder} from "meshoptimizer/decoder";
 
 export type Triple = [number, number, number];
@@ -119,7 +119,7 @@ export interface Result {
 }
 
 export interface Page {
-  schema: "isoatlas-page-1";
+  schema: "isoatlas-page-2";
   version: string;
   results: Result[];
 }
@@ -148,7 +148,7 @@ export interface Mesh {
 
 export function readPage(): Page {
   const page = JSON.parse(document.getElementById("isoatlas-data")!.textContent!) as Page;
-  if (page.schema !== "isoatlas-page-1") throw new Error(`its schema is ${String(page.schema)}, expected isoatlas-page-1`);
+  if (page.schema !== "isoatlas-page-2") throw new Error(`its schema is ${String(page.schema)}, expected isoatlas-page-2`);
   if (page.results.length === 0) throw new Error("it has no results");
   return page;
 }
