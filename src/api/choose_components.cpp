@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "complex/drop_components.h"
+#include "core/ranges.h"
 #include "levels/level.h"
 
 namespace isoatlas::detail {
@@ -46,7 +47,7 @@ ChosenComponents choose_components(SurfaceComplex& complex, const Components& co
     first_of_part[sizes.part_of[c]] = c;
   std::vector<ComponentId> order(all.size());
   for (ComponentId c = 0; c < order.size(); ++c) order[c] = c;
-  std::ranges::sort(order, [&](ComponentId a, ComponentId b) {
+  ranges::sort(order, [&](ComponentId a, ComponentId b) {
     if (all[a].size != all[b].size) return all[a].size > all[b].size;
     const ComponentId first_a = first_of_part[sizes.part_of[a]],
                       first_b = first_of_part[sizes.part_of[b]];

@@ -8,6 +8,7 @@
 
 #include "complex/complex_adjacency.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 
 namespace isoatlas::detail {
@@ -58,10 +59,10 @@ class GraphRowBuilder {
     const std::span<Corner> corners =
         count > kMaxLocalCorners ? std::span(many) : std::span(few).first(count);
     for (std::size_t k = 0; k < count; ++k) corners[k] = corner_at(complex_.faces[faces[k]], v);
-    if (count > kMaxLocalCorners) std::ranges::sort(corners, {}, &Corner::next);
+    if (count > kMaxLocalCorners) ranges::sort(corners, {}, &Corner::next);
     const auto starting_at = [&](CVertexId id) {
-      return count > kMaxLocalCorners ? std::ranges::lower_bound(corners, id, {}, &Corner::next)
-                                      : std::ranges::find(corners, id, &Corner::next);
+      return count > kMaxLocalCorners ? ranges::lower_bound(corners, id, {}, &Corner::next)
+                                      : ranges::find(corners, id, &Corner::next);
     };
     auto at = corners.begin();
     if (complex_.on_boundary[v]) {  // starts with the corner that no other one leads to
@@ -132,7 +133,7 @@ std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComple
   std::vector<std::uint32_t> first(n + 1, 0);
   const auto is_unchanged = [&](CVertexId v, const GraphRowBuilder::Row& row) {
     return graph.on_boundary[v] == complex.on_boundary[v] &&
-           std::ranges::equal(graph.row(v), row.neighbours) &&
+           ranges::equal(graph.row(v), row.neighbours) &&
            std::equal(row.is_diagonal.begin(), row.is_diagonal.end(),
                       graph.is_diagonal.begin() + graph.first[v]);
   };
@@ -157,8 +158,8 @@ std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComple
     for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
       if (!changed[v]) continue;
       rows.make(v, row);
-      std::ranges::copy(row.neighbours, graph.neighbours.begin() + graph.first[v]);
-      std::ranges::copy(row.is_diagonal, graph.is_diagonal.begin() + graph.first[v]);
+      ranges::copy(row.neighbours, graph.neighbours.begin() + graph.first[v]);
+      ranges::copy(row.is_diagonal, graph.is_diagonal.begin() + graph.first[v]);
     }
   });
   return changed;

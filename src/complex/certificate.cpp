@@ -19,6 +19,7 @@
 #include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -260,7 +261,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
 }
 
 std::uint8_t PartitionCheck::fault_of(CellId cell) const {
-  const auto found = std::ranges::lower_bound(faulty_cells, cell, {}, &FaultyCell::cell);
+  const auto found = ranges::lower_bound(faulty_cells, cell, {}, &FaultyCell::cell);
   return found != faulty_cells.end() && found->cell == cell ? found->fault : 0;
 }
 

@@ -20,6 +20,7 @@
 #include "core/disjoint_sets.h"
 #include "core/epoch_set.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "geometry/inverted_components.h"
@@ -95,7 +96,7 @@ class BlockRegions {
     for_each_index(complex_.faces.size(), kPerPiece, [&](std::size_t f) {
       const Face& face = complex_.faces[f];
       const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
-      if (std::ranges::none_of(corners, [&](CVertexId v) { return was_split_[v] != 0; })) return;
+      if (ranges::none_of(corners, [&](CVertexId v) { return was_split_[v] != 0; })) return;
       for (const CVertexId v : corners) is_near[region_[v]].store(1, std::memory_order_relaxed);
     });
     return {is_near.begin(), is_near.end()};

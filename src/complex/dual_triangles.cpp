@@ -39,7 +39,7 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
     poll.step();
     old.insert(old.end(), of_cell_.row(c).begin(), of_cell_.row(c).end());
   };
-  std::ranges::for_each(scope, add_row);
+  for (const CellId c : scope) add_row(c);
   for (CellId c = cells; c < of_cell_.row_count(); ++c) add_row(c);
   std::sort(old.begin(), old.end());
   old.erase(std::unique(old.begin(), old.end()), old.end());

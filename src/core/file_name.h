@@ -7,12 +7,14 @@
 #include <string>
 #include <string_view>
 
+#include "core/ranges.h"
+
 namespace isoatlas::detail {
 
 /// The text with ASCII letters in lower case; all other bytes are unchanged, in every locale.
 inline std::string lower_case(std::string_view text) {
   std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](char c) {
+  ranges::transform(lower, lower.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   });
   return lower;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/ranges.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -40,7 +41,7 @@ RunControl with_whole_progress(const RunControl& control, std::span<const StageS
   const auto last_report = std::make_shared<LastReport>();
   out.progress = [report = control.progress, intervals, last_report](std::string_view stage,
                                                                      double fraction) {
-    const auto found = std::ranges::find(intervals, stage, &Interval::stage);
+    const auto found = ranges::find(intervals, stage, &Interval::stage);
     const bool is_over = found != intervals.end() && found->to <= last_report->fraction;
     if (stage == kContinues) {
       last_report->fraction += kStep * (last_report->end - last_report->fraction);

@@ -10,6 +10,7 @@
 #include "core/append.h"
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "embedding/grid_cell.h"
@@ -153,7 +154,7 @@ std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(
   std::vector<Mover> movers;
   movers.reserve(moved.size());
   for (std::uint32_t i = 0; i < moved.size(); ++i) movers.push_back({moved[i], i});
-  std::ranges::sort(movers, {}, &Mover::v);
+  ranges::sort(movers, {}, &Mover::v);
   std::vector<std::pair<CVertexId, Vec3>> changed;  // positions to restore at the end
   std::vector<CVertexId> out, next(check.begin(), check.end());
   while (!next.empty()) {
@@ -163,7 +164,7 @@ std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(
     }
     next.clear();
     for (const CVertexId v : reverted) {
-      const auto mover = std::ranges::lower_bound(movers, v, {}, &Mover::v);
+      const auto mover = ranges::lower_bound(movers, v, {}, &Mover::v);
       if (mover == movers.end() || mover->v != v || std::exchange(mover->is_reverted, true))
         continue;
       changed.emplace_back(v, std::exchange(positions[v], before[mover->number]));

@@ -9,6 +9,7 @@
 #include "core/append.h"
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "field/field.h"
 
@@ -598,7 +599,7 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
   std::vector<Fineness> all(complex.c_vertex_count(), Fineness::pieces), out;
   for (const Face& face : complex.faces) {
     const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
-    if (std::ranges::none_of(corners, [&](CVertexId v) { return is_listed[v] != 0; })) continue;
+    if (ranges::none_of(corners, [&](CVertexId v) { return is_listed[v] != 0; })) continue;
     poll.step();
     const Fineness f = fineness_of(complex, in, face);
     for (const CVertexId v : corners) all[v] = std::min(all[v], f);
@@ -623,7 +624,7 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
     return std::span(f.corner).first(static_cast<std::size_t>(f.size()));
   };
   const auto has = [&](const Face& f, std::uint8_t bits) {
-    return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; });
+    return ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; });
   };
   const auto faces_with = [&](std::uint8_t bits) {
     return collect_pieces<FaceId>(

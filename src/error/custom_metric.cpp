@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "isoatlas/error.h"
 
@@ -31,8 +32,8 @@ double custom_value(const CustomMetric& metric, const Surfels& surfels, const Le
   std::vector<std::array<Vec3, 3>> triangles;
   for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
     std::array<Vec3, 3> corners = mesh.corners(t);
-    const auto own = std::ranges::find(mesh.triangles[t], cell) - mesh.triangles[t].begin();
-    std::ranges::rotate(corners, corners.begin() + own);
+    const auto own = ranges::find(mesh.triangles[t], cell) - mesh.triangles[t].begin();
+    std::rotate(corners.begin(), corners.begin() + own, corners.end());
     triangles.push_back(corners);
   }
   const double value =
@@ -47,7 +48,7 @@ double custom_maximum(const CustomMetric& metric, const Surfels& surfels, const 
   for_each_index(values.size(), kMeasuredCellsPerPiece, [&](std::size_t c) {
     values[c] = custom_value(metric, surfels, mesh, static_cast<CellId>(c));
   });
-  return values.empty() ? 0 : std::ranges::max(values);
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
 
 }  // namespace isoatlas::detail

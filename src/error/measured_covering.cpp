@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "error/balance.h"
 
@@ -82,7 +83,7 @@ std::vector<std::uint8_t> SurfaceData::rebuild() {
       farthest_neighbour[v] = std::max(farthest_neighbour[v], n.weight);
   }
   if (adaptive_surface != nullptr &&
-      !std::ranges::equal(adaptive_surface->original_positions(), complex.positions)) {
+      !ranges::equal(adaptive_surface->original_positions(), complex.positions)) {
     original_points.reserve(complex.positions.size());
     for (const Vec3& p : adaptive_surface->original_positions())
       original_points.push_back(to_metric(p, complex.spacing));
@@ -178,7 +179,7 @@ void MeasuredCovering::remove_sites(std::uint32_t count, const RunControl& contr
 
 void MeasuredCovering::set_bounds(std::span<const Constraint> metrics, Placement mode,
                                   double exact_above_share) {
-  if (std::ranges::equal(metrics, bounds_) && mode == placement_mode_ &&
+  if (ranges::equal(metrics, bounds_) && mode == placement_mode_ &&
       exact_above_share == exact_above_share_)
     return;
   exact_above_share_ = exact_above_share;
@@ -351,12 +352,11 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   for (const CellId c : cells) proved_[c] = 0;
   if (placement_mode_ == Placement::balanced) balance(surface, cells, mesh_, vertex_placement_);
   const std::optional<double> bound = distance_bound();
-  const bool uses_own_data_only = placement_mode_ == Placement::surface &&
-                                  std::ranges::all_of(bounds_, [](const Constraint& c) {
-                                    return c.quantity == Quantity::max_distance ||
-                                           c.quantity == Quantity::max_edge ||
-                                           c.quantity == Quantity::custom;
-                                  });
+  const bool uses_own_data_only =
+      placement_mode_ == Placement::surface && ranges::all_of(bounds_, [](const Constraint& c) {
+        return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge ||
+               c.quantity == Quantity::custom;
+      });
   const bool need_closest = std::any_of(bounds_.begin(), bounds_.end(), [](const Constraint& c) {
     return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
   });
@@ -440,15 +440,15 @@ std::size_t MeasuredCovering::prove() {
 
 bool MeasuredCovering::is_proved() const {
   return !errors_.empty() &&
-         std::ranges::all_of(proved_, [](std::uint8_t proved) { return proved != 0; });
+         ranges::all_of(proved_, [](std::uint8_t proved) { return proved != 0; });
 }
 
 bool MeasuredCovering::is_within_bounds() const {
-  return std::ranges::all_of(errors_, [](const CellError& e) { return e.excess <= 1; });
+  return ranges::all_of(errors_, [](const CellError& e) { return e.excess <= 1; });
 }
 
 std::optional<double> MeasuredCovering::distance_bound() const {
-  const auto found = std::ranges::find(bounds_, Quantity::max_distance, &Constraint::quantity);
+  const auto found = ranges::find(bounds_, Quantity::max_distance, &Constraint::quantity);
   return found == bounds_.end() ? std::nullopt : std::optional(found->bound);
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/cancel_poll.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "error/two_ring.h"
@@ -130,7 +131,7 @@ class GridCellSearch {
     for (const CVertexId v : mesh_.c_vertices_of.row(cell)) {
       grid_cell_index_.for_each_at(v, [&](GridCellIndex::Key key) { keys_.push_back(key); });
     }
-    std::ranges::sort(keys_);
+    ranges::sort(keys_);
     keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
     for (std::size_t i = 0; i < keys_.size() && farthest_.at == kNone; ++i)
       search_grid_cell(keys_[i]);
@@ -188,12 +189,11 @@ class GridCellSearch {
     const std::span<const CVertexId> c_vertices = grid_cell_index_.c_vertices(key);
     const auto is_nearer = [&](CVertexId a, CVertexId b) {
       const Vec3 p = surface_.surfels.point[a], q = surface_.surfels.point[b];
-      return std::ranges::all_of(clipped_.corners(), [&](Vec3 x) {
-        return squared_length(x - p) < squared_length(x - q);
-      });
+      return ranges::all_of(clipped_.corners(),
+                            [&](Vec3 x) { return squared_length(x - p) < squared_length(x - q); });
     };
-    return std::ranges::all_of(c_vertices, [&](CVertexId own) {
-      return cell_of_[own] != cell_ || std::ranges::any_of(c_vertices, [&](CVertexId other) {
+    return ranges::all_of(c_vertices, [&](CVertexId own) {
+      return cell_of_[own] != cell_ || ranges::any_of(c_vertices, [&](CVertexId other) {
                return cell_of_[other] != cell_ && is_nearer(other, own);
              });
     });
@@ -236,7 +236,7 @@ GridCellIndex::GridCellIndex(const SurfaceComplex& complex, Vec3 last, const Run
     poll.step();
     for_each_at(v, [&](Key key) { all.emplace_back(key, v); });
   }
-  std::ranges::sort(all);
+  ranges::sort(all);
   keys_.reserve(all.size());
   items_.reserve(all.size());
   for (const auto& [key, v] : all) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "error/nearest_surfel.h"
@@ -141,11 +142,10 @@ class PatchSearch {
   // Outside the volume the field is that of the nearest point of the border, so that distances
   // would be underestimated.
   bool is_in_volume(const Patch& patch) const {
-    return std::ranges::all_of(
-        std::array{patch.a, patch.a + patch.u, patch.a + patch.v}, [&](Vec3 p) {
-          const Vec3 index = to_index(p);
-          return length(isosurface_.field().clamped(index) - index) <= kBorderRounding;
-        });
+    return ranges::all_of(std::array{patch.a, patch.a + patch.u, patch.a + patch.v}, [&](Vec3 p) {
+      const Vec3 index = to_index(p);
+      return length(isosurface_.field().clamped(index) - index) <= kBorderRounding;
+    });
   }
 
   // If the patch moved up is inside and the patch moved down is outside, then the isosurface lies
@@ -305,7 +305,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh,
     const auto& corners = mesh.triangles[triangles[i]];
     // The cell of the sample's c-vertex, if the triangle has a corner there.
     const CellId there = cell_of[sample.at];
-    const CellId cell = std::ranges::find(corners, there) != corners.end() ? there : errors[i].cell;
+    const CellId cell = ranges::find(corners, there) != corners.end() ? there : errors[i].cell;
     Farthest& largest = from_mesh[cell];
     if (wanted[cell] && (sample.distance > largest.distance ||
                          (sample.distance == largest.distance && sample.at < largest.at)))

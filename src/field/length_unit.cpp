@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/file_name.h"
+#include "core/ranges.h"
 
 namespace isoatlas {
 using namespace detail;
@@ -47,8 +48,8 @@ double metres(LengthUnit unit) { return names_of(unit).metres; }
 LengthUnit length_unit_named(std::string_view name) {
   const std::string word = lower_case(name);
   const auto matches = [](std::string_view found, const UnitNames& names) {
-    return std::ranges::any_of(names.words,
-                               [&](std::string_view w) { return !w.empty() && w == found; });
+    return ranges::any_of(names.words,
+                          [&](std::string_view w) { return !w.empty() && w == found; });
   };
   for (const UnitNames& names : kUnits) {
     if (names.unit == LengthUnit::unknown) continue;

@@ -21,7 +21,7 @@ constexpr std::size_t kRowsPerPiece = 16;
 
 Volume sample(const ScalarField& field, const Grid& grid, const RunControl& control) try {
   require(static_cast<bool>(field.value), "the field has no function");
-  const auto [nx, ny, nz] = grid.size;
+  const std::size_t nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
   require(nx >= 2 && ny >= 2 && nz >= 2,
           "a field is sampled at two points or more along each axis");
   require(static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz) < 0x1p50,

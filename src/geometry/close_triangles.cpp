@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 
 namespace isoatlas::detail {
@@ -75,8 +76,8 @@ double CloseTriangles::scaled_margin() const {
 
 std::vector<std::uint32_t> CloseTriangles::current(const IndexedBvh& bvh) const {
   std::vector<std::uint32_t> out;
-  std::ranges::copy_if(bvh.ids, std::back_inserter(out),
-                       [&](std::uint32_t t) { return t < bvh_of_.size() && bvh_of_[t] == bvh.id; });
+  ranges::copy_if(bvh.ids, std::back_inserter(out),
+                  [&](std::uint32_t t) { return t < bvh_of_.size() && bvh_of_[t] == bvh.id; });
   return out;
 }
 
@@ -100,7 +101,7 @@ void CloseTriangles::add_bvh(std::vector<std::uint32_t> ids, std::span<const Vec
 }
 
 void CloseTriangles::remove_from_bvh(std::uint32_t t) {
-  const auto bvh = std::ranges::lower_bound(bvhs_, bvh_of_[t], {}, &IndexedBvh::id);
+  const auto bvh = ranges::lower_bound(bvhs_, bvh_of_[t], {}, &IndexedBvh::id);
   if (bvh != bvhs_.end() && bvh->id == bvh_of_[t]) --bvh->current;
   bvh_of_[t] = kNone;
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "geometry/closest_point.h"
 #include "geometry/triangle_bvh.h"
@@ -110,7 +111,7 @@ std::vector<std::vector<std::uint32_t>> find_enclosing_components(
     if (best == kNone || is_lower(positions[v], positions[best])) best = v;
   }
   std::vector<std::vector<std::uint32_t>> enclosing(components);
-  if (std::ranges::count(is_open, std::uint8_t{0}) < 2) return enclosing;
+  if (ranges::count(is_open, std::uint8_t{0}) < 2) return enclosing;
   const TriangleBvh bvh({positions.begin(), positions.end()}, triangles, control);
   for_each_index(components, kComponentsPerPiece, &control, [&](std::size_t c) {
     if (is_open[c] != 0 || lowest[c] == kNone) return;
@@ -193,7 +194,7 @@ std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions,
       if (nearest != nullptr) out.insert(out.end(), nearest->begin(), nearest->end());
     }
   }
-  std::ranges::sort(out);
+  ranges::sort(out);
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/cancel_poll.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "isoatlas/mesh.h"
 
@@ -43,7 +44,7 @@ void measure_dihedral_angles(const MeshView& mesh, MeshQuality& quality,
     }
   }
   control.check_cancelled();
-  std::ranges::sort(sides, [](const Side& a, const Side& b) {
+  ranges::sort(sides, [](const Side& a, const Side& b) {
     return std::tie(a.low, a.high, a.opposite, a.ascends) <
            std::tie(b.low, b.high, b.opposite, b.ascends);
   });

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/cancel_poll.h"
+#include "core/ranges.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -101,19 +102,18 @@ CVertexId add_c_vertex(SurfaceComplex& complex, Vec3 position) {
 
 void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes,
                  std::vector<SegmentMidpoint> midpoints, const RunControl& control) {
-  std::ranges::sort(nodes, [](const SplitNode& a, const SplitNode& b) {
+  ranges::sort(nodes, [](const SplitNode& a, const SplitNode& b) {
     return a.face != b.face ? a.face < b.face : a.is_cut > b.is_cut;
   });
-  nodes.erase(std::ranges::unique(nodes, {}, &SplitNode::face).begin(), nodes.end());
-  std::ranges::sort(midpoints, [](const SegmentMidpoint& a, const SegmentMidpoint& b) {
+  nodes.erase(ranges::unique_by(nodes, &SplitNode::face), nodes.end());
+  ranges::sort(midpoints, [](const SegmentMidpoint& a, const SegmentMidpoint& b) {
     return std::tie(a.face, a.id) < std::tie(b.face, b.id);
   });
   std::vector<BorderNode> border_nodes;
   CancelPoll poll(control);
   for (const SplitNode& node : nodes) {
     poll.step();
-    const auto [first, last] =
-        std::ranges::equal_range(midpoints, node.face, {}, &SegmentMidpoint::face);
+    const auto [first, last] = ranges::equal_range(midpoints, node.face, &SegmentMidpoint::face);
     make_fan(complex, node, {first, last}, border_nodes);
   }
   split_boundary_sides(complex, std::move(border_nodes));

@@ -11,6 +11,8 @@
 #include <tuple>
 #include <vector>
 
+#include "core/ranges.h"
+
 namespace isoatlas::detail {
 
 Nesting surface_nesting(const Components& components, std::span<const VerticalNode> nodes) {
@@ -36,16 +38,15 @@ Nesting surface_nesting(const Components& components, std::span<const VerticalNo
     nesting.facing[c] = lowest[c]->outside_is_up ? -1 : 1;
     columns.emplace_back(lowest[c]->y, lowest[c]->x);
   }
-  std::ranges::sort(columns);
+  ranges::sort(columns);
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
 
   std::vector<const VerticalNode*> on_columns;
   for (const VerticalNode& node : nodes) {
-    if (is_closed(component_of(node)) &&
-        std::ranges::binary_search(columns, Column{node.y, node.x}))
+    if (is_closed(component_of(node)) && ranges::binary_search(columns, Column{node.y, node.x}))
       on_columns.push_back(&node);
   }
-  std::ranges::sort(on_columns, [](const VerticalNode* a, const VerticalNode* b) {
+  ranges::sort(on_columns, [](const VerticalNode* a, const VerticalNode* b) {
     return std::tie(a->y, a->x, a->z) < std::tie(b->y, b->x, b->z);
   });
   std::vector<std::vector<std::uint32_t>> enclosing(n);

@@ -7,6 +7,7 @@
 
 #include "complex/components.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "embedding/resolve_intersections.h"
@@ -278,7 +279,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
       if (revert_count[i] > 0)
         candidates.insert(candidates.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
     }
-    std::ranges::sort(candidates);
+    ranges::sort(candidates);
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
   }
   if (!options_.allow_self_intersections &&
@@ -328,7 +329,7 @@ std::vector<std::uint8_t> CoarseMesher::find_moves_to_revert(
 bool CoarseMesher::refine_inverted_components(int round, CertificateReport& certificate) {
   const std::vector<ComponentId> component_of = components();
   const std::vector<std::uint8_t> inverted = inverted_components(component_of);
-  return std::ranges::count(inverted, std::uint8_t{1}) > 0 &&
+  return ranges::count(inverted, std::uint8_t{1}) > 0 &&
          refine_components(state_->complex, state_->covering, component_of, inverted, round,
                            certificate);
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "field/to_space.h"
@@ -174,7 +175,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
       },
       [&] {
         report.quality = mesh_quality(measured, quiet);
-        report.quality.zero_area_triangles = static_cast<std::size_t>(std::ranges::count_if(
+        report.quality.zero_area_triangles = static_cast<std::size_t>(ranges::count_if(
             mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
         quiet.check_cancelled();
         report.inverted_components =

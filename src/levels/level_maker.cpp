@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "error/measure_mesh.h"
@@ -42,7 +43,7 @@ void apply_measurement(LevelReport& report) {
 }
 
 bool satisfies_distance(const RefinedLevel& level) {
-  return std::ranges::all_of(level.figures.constraints, [](const ConstraintResult& result) {
+  return ranges::all_of(level.figures.constraints, [](const ConstraintResult& result) {
     return result.constraint.quantity != Quantity::max_distance || result.satisfied;
   });
 }

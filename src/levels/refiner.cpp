@@ -17,6 +17,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "embedding/resolve_intersections.h"
@@ -82,8 +83,7 @@ constexpr std::array kLooserBounds{0.5, 0.4, 0.32, 0.256};
 // The bound on the distance if the user set a tight one with the highest priority and no limit on
 // vertices; otherwise 0.
 double tight_distance(const LevelGoal& goal) {
-  if (std::ranges::find(goal, Quantity::max_vertices, &Constraint::quantity) != goal.end())
-    return 0;
+  if (ranges::find(goal, Quantity::max_vertices, &Constraint::quantity) != goal.end()) return 0;
   const bool is_tight = !goal.empty() && goal.front().quantity == Quantity::max_distance &&
                         !goal.front().is_default && goal.front().bound < kLooserBounds.front();
   return is_tight ? goal.front().bound : 0;
@@ -103,7 +103,6 @@ Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const C
                  std::optional<OutputPositions> output_positions, std::uint32_t max_subdivisions)
     : options_(options),
       surface_(surface),
-      isosurface_(isosurface),
       coarser_(coarser),
       start_(std::move(start)),
       output_positions_(std::move(output_positions)),
@@ -291,7 +290,7 @@ Refiner::Task Refiner::prepare_task(const LevelGoal& goal, Placement placement, 
     }
   }
   task.shape = shape;
-  const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
+  const auto bound = ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
   if (bound != task.metrics.end() && task.metrics.size() == 1)
     task.useful_radius = static_cast<float>(kUsefulShare * bound->bound);
   return task;
@@ -415,7 +414,7 @@ bool Refiner::is_provable(const Task& task) const {
     return c.quantity == Quantity::max_distance && !c.is_default;
   };
   return start_.is_complete && task.max_sites == kNone &&
-         std::ranges::any_of(task.metrics, is_requested);
+         ranges::any_of(task.metrics, is_requested);
 }
 
 struct Refiner::State {
@@ -518,7 +517,7 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& reques
 // times. Not used with a limit on vertices, since these belong where the mesh is farthest.
 void Refiner::lower_predicted_radii(const Task& task, RefinedLevel& out,
                                     const RunControl& control) {
-  const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
+  const auto bound = ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
   if (task.max_sites != kNone || bound == task.metrics.end()) return;
   measured_->set_bounds(relaxed_bounds(task.metrics), task.placement);
   measured_->update(out.certificate, control);
@@ -526,7 +525,7 @@ void Refiner::lower_predicted_radii(const Task& task, RefinedLevel& out,
   const auto add = [&](CVertexId v) {
     if (measured_->errors()[partition().cell_of[v]].excess > 1) at.push_back(v);
   };
-  std::ranges::for_each(coarser_.representative, add);
+  for (const CVertexId v : coarser_.representative) add(v);
   if (coarser_.representative.empty()) {
     for (CVertexId v = 0; v < partition().cell_of.size(); ++v) add(v);
   }
@@ -540,7 +539,7 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
                         Placement placement, RefinedLevel& level, const RunControl& control) {
   std::vector<CellId> cells;
   for (const Triangle& t : triangles) cells.insert(cells.end(), t.begin(), t.end());
-  std::ranges::sort(cells);
+  ranges::sort(cells);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   if (!can_refine(cells)) return false;
   subdivisions_ = 0;

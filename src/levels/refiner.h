@@ -130,7 +130,6 @@ class Refiner {
 
   CoveringOptions options_;
   AdaptiveSurface& surface_;
-  const Isosurface& isosurface_;
   const Coarsened& coarser_;
   Start start_;
   std::optional<OutputPositions> output_positions_;

@@ -12,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/ranges.h"
 #include "core/vector_math.h"
 
 namespace isoatlas::detail {
@@ -156,7 +157,7 @@ class RefinementRun {
       if (!covering_.is_covered(v) ||
           covering_.distance()[v] < min_radius(task_, measured_.surface_data(), v))
         continue;
-      if (std::ranges::find(excluded_for_shape_, v) == excluded_for_shape_.end())
+      if (ranges::find(excluded_for_shape_, v) == excluded_for_shape_.end())
         bad.emplace_back(score, v);
     }
     std::sort(bad.begin(), bad.end());

@@ -11,6 +11,7 @@
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "embedding/subdivide.h"
 #include "error/level_mesh.h"
@@ -74,8 +75,8 @@ class Relaxation {
         candidates_.size(), kTrianglesPerPiece,
         [&](std::size_t begin, std::size_t end, auto& found) {
           control_.check_cancelled();
-          std::ranges::copy_if(candidates_.subspan(begin, end - begin), std::back_inserter(found),
-                               [&](std::uint32_t t) { return is_badly_shaped(t); });
+          ranges::copy_if(candidates_.subspan(begin, end - begin), std::back_inserter(found),
+                          [&](std::uint32_t t) { return is_badly_shaped(t); });
         });
     if (active_.empty()) return {};
     start_.assign(points_.begin(), points_.end());
@@ -445,8 +446,7 @@ class Relaxation {
   // an open component has no meaning here.
   void revert_flattened_components() {
     control_.check_cancelled();
-    if (std::ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; }))
-      return;
+    if (ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; })) return;
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
     for_each_index(triangles_.size(), kTrianglesPerPiece, &control_, [&](std::size_t t) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "core/ranges.h"
 #include "core/vector_math.h"
 #include "optimize/facing.h"
 
@@ -52,7 +53,7 @@ std::pair<std::uint32_t, CellId> ShapeChanges::opposite(CellId a, CellId b) cons
 }
 
 bool ShapeChanges::are_neighbours(CellId a, CellId b) const {
-  return std::ranges::any_of(mesh_.mesh().triangles_of.row(a), [&](std::uint32_t t) {
+  return ranges::any_of(mesh_.mesh().triangles_of.row(a), [&](std::uint32_t t) {
     const auto& cell = mesh_.mesh().triangles[t];
     return cell[0] == b || cell[1] == b || cell[2] == b;
   });

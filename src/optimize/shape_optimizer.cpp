@@ -9,6 +9,7 @@
 #include "core/cancel_poll.h"
 #include "core/epoch_set.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/sort_once.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
@@ -92,7 +93,7 @@ class ShapeOptimizer {
       mesh_.displace(c, old_displacement.back() + (points[c] - from[c]));
     }
     const auto old_displacement_of = [&](CellId c) {
-      return old_displacement[static_cast<std::size_t>(std::ranges::lower_bound(moved, c) -
+      return old_displacement[static_cast<std::size_t>(ranges::lower_bound(moved, c) -
                                                        moved.begin())];
     };
     mark_reverted(mesh_.revert_conflicting_moves(moved, old_displacement));
@@ -103,8 +104,8 @@ class ShapeOptimizer {
     for (int round = 0; round < max_rounds; ++round) {
       report_continuing(control_);
       std::vector<CellId> worse = mesh_.intersecting_corners();
-      std::ranges::copy_if(affected, std::back_inserter(worse),
-                           [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
+      ranges::copy_if(affected, std::back_inserter(worse),
+                      [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
       if (worse.empty()) break;
       // The last rounds revert everything in the affected ring and, if triangles must not
       // intersect, everything.
@@ -112,7 +113,7 @@ class ShapeOptimizer {
               : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1)
                                         : mesh_.affected_by(worse);
       for (const CellId c : worse) {
-        if (std::ranges::binary_search(moved, c)) mesh_.displace(c, old_displacement_of(c));
+        if (ranges::binary_search(moved, c)) mesh_.displace(c, old_displacement_of(c));
       }
       mark_reverted(worse);
       const std::vector<CellId> conflicting =
@@ -156,7 +157,7 @@ class ShapeOptimizer {
     const InterpolatedField* field =
         surface_data.isosurface == nullptr ? nullptr : &surface_data.isosurface->field();
     std::vector<std::uint32_t> bad = bad_triangles();
-    std::ranges::sort(bad);
+    ranges::sort(bad);
     return relax(points, mesh.triangles, mesh.triangles_of, bounds_of, field,
                  surface_data.complex.spacing, {goal_.aspect, 0}, control_, bad);
   }
@@ -168,9 +169,8 @@ class ShapeOptimizer {
       changed.resize(mesh_.mesh().triangles.size());
       std::iota(changed.begin(), changed.end(), 0u);
     } else {
-      std::erase_if(bad_, [&](const auto& scored) {
-        return std::ranges::binary_search(changed, scored.second);
-      });
+      std::erase_if(
+          bad_, [&](const auto& scored) { return ranges::binary_search(changed, scored.second); });
     }
     using Scored = std::pair<double, std::uint32_t>;
     const auto found = collect_pieces<Scored>(
@@ -235,9 +235,9 @@ class ShapeOptimizer {
     measure_again(stale);
     for (std::vector<CellId> corners = mesh_.intersecting_corners(); !corners.empty();
          corners = mesh_.intersecting_corners()) {
-      const auto is_corner = [&](CellId c) { return std::ranges::binary_search(corners, c); };
+      const auto is_corner = [&](CellId c) { return ranges::binary_search(corners, c); };
       for (Trial& trial : trials) {
-        if (trial.is_kept && std::ranges::any_of(trial.affected, is_corner)) revert(trial, stale);
+        if (trial.is_kept && ranges::any_of(trial.affected, is_corner)) revert(trial, stale);
       }
       if (stale.empty()) break;
       measure_again(stale);
@@ -253,8 +253,8 @@ class ShapeOptimizer {
     std::vector<Trial> out;
     taken_.clear();
     const auto is_taken = [&](std::uint32_t t) {
-      return std::ranges::any_of(mesh_.mesh().triangles[t],
-                                 [&](CellId c) { return taken_.contains(c); });
+      return ranges::any_of(mesh_.mesh().triangles[t],
+                            [&](CellId c) { return taken_.contains(c); });
     };
     std::vector<std::uint32_t> next;
     const auto try_next = [&] {
@@ -306,7 +306,7 @@ class ShapeOptimizer {
   void add_trial(const ShapeChange& change, std::uint32_t triangle, std::vector<Trial>& out) {
     if (change.score == 0) return;
     std::vector<CellId> affected = mesh_.affected_by(mesh_.mesh().triangles[triangle]);
-    if (std::ranges::any_of(affected, [&](CellId c) { return taken_.contains(c); })) return;
+    if (ranges::any_of(affected, [&](CellId c) { return taken_.contains(c); })) return;
     for (const CellId c : affected) taken_.insert(c);
     std::vector<double> before = excess_of_each(mesh_.measured(), affected);
     out.push_back({change, std::move(affected), std::move(before), {}, {}});
@@ -391,7 +391,7 @@ class ChangeReverter {
       const std::vector<CellId> at_flips = revert_flips(cells);
       std::vector<CellId> changed = at_flips;
       for (const CellId c : cells) {
-        if (fixed(c) == 1 && std::ranges::binary_search(at_flips, c)) continue;
+        if (fixed(c) == 1 && ranges::binary_search(at_flips, c)) continue;
         const bool was_fixed = fixed(c) == 3;
         mesh_.fix(c, 3);
         if (return_to_site(c) || !was_fixed) changed.push_back(c);
@@ -401,8 +401,8 @@ class ChangeReverter {
       const std::vector<CellId> affected = mesh_.affected_by(changed);
       mesh_.measure(affected);
       std::vector<CellId> worse;
-      std::ranges::copy_if(affected, std::back_inserter(worse),
-                           [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
+      ranges::copy_if(affected, std::back_inserter(worse),
+                      [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
       cells = worse.empty()             ? worse
               : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1)
                                         : mesh_.affected_by(worse);
@@ -442,10 +442,8 @@ class ChangeReverter {
       before = flipped_.size();
       std::erase_if(flipped_, [&](std::uint32_t t) {
         std::array<CellId, 6> corners;
-        std::ranges::copy(dual[t].cell,
-                          std::ranges::copy(mesh_.triangle(t).cell, corners.begin()).out);
-        if (std::ranges::none_of(corners, [&](CellId c) { return near_.contains(c); }))
-          return false;
+        ranges::copy(dual[t].cell, ranges::copy(mesh_.triangle(t).cell, corners.begin()));
+        if (ranges::none_of(corners, [&](CellId c) { return near_.contains(c); })) return false;
         for (const CellId c : corners) near_.insert(c);
         changed.insert(changed.end(), corners.begin(), corners.end());
         mesh_.set_triangle(t, dual[t]);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/cancel_poll.h"
+#include "core/ranges.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -55,8 +56,7 @@ ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& co
   }
   by_size_.resize(size.size());
   std::iota(by_size_.begin(), by_size_.end(), 0u);
-  std::ranges::stable_sort(by_size_, std::ranges::greater{},
-                           [&](std::uint32_t group) { return size[group]; });
+  ranges::stable_sort(by_size_, std::greater<>{}, [&](std::uint32_t group) { return size[group]; });
 }
 
 CVertexGraph ComponentGraphs::subgraph(std::uint32_t group, const RunControl& control) const {
@@ -72,10 +72,10 @@ CVertexGraph ComponentGraphs::subgraph(std::uint32_t group, const RunControl& co
   for (std::size_t k = 0; k < own.size(); ++k) {
     poll.step();
     const CVertexId v = own[k];
-    std::ranges::transform(graph_.row(v), out.neighbours.begin() + out.first[k],
-                           [&](const CVertexGraph::Neighbour& w) {
-                             return CVertexGraph::Neighbour{id_in_group_[w.id], w.weight};
-                           });
+    ranges::transform(graph_.row(v), out.neighbours.begin() + out.first[k],
+                      [&](const CVertexGraph::Neighbour& w) {
+                        return CVertexGraph::Neighbour{id_in_group_[w.id], w.weight};
+                      });
     std::copy(graph_.is_diagonal.begin() + graph_.first[v],
               graph_.is_diagonal.begin() + graph_.first[v + 1],
               out.is_diagonal.begin() + out.first[k]);

@@ -16,6 +16,7 @@
 
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "voronoi/component_graphs.h"
 
 namespace isoatlas::detail {
@@ -264,7 +265,7 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
     const auto lowers = [&](const CVertexGraph::Neighbour& n) {
       return radius_[r.at] + n.weight * kLipschitz < radius_[n.id];
     };
-    if (std::ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
+    if (ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
   }
   propagate_radii(front, control);
 

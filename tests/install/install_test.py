@@ -3,6 +3,7 @@
 """Installs the build into an empty folder and builds programs against it, as other projects do."""
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -175,6 +176,33 @@ class Subfolder(unittest.TestCase):
             self.assertNotIn("VTK", printed)
             run(CMAKE, "--build", top / "build", "--target", "main")
             self.assertEqual(run(top / "build/main"), EXPECTED)
+
+
+@unittest.skipUnless(os.environ.get("ISOATLAS_TEST_CLANG"),
+                     "builds the library again: set ISOATLAS_TEST_CLANG=1")
+class Clang(unittest.TestCase):
+    """The core builds without a warning with clang 14 and libc++, and gives the same meshes."""
+
+    def test_core_and_examples(self):
+        compiler = shutil.which("clang++-14")
+        if not compiler:
+            self.skipTest("clang++-14 is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            top = pathlib.Path(folder)
+            run(CMAKE, "-S", ROOT, "-B", top / "build", "-G", "Ninja",
+                "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_CXX_COMPILER={compiler}",
+                "-DCMAKE_CXX_FLAGS=-stdlib=libc++", "-DISOATLAS_WARNINGS_AS_ERRORS=ON",
+                "-DISOATLAS_UNITY_BUILD=ON", "-DISOATLAS_BUILD_IO=OFF", "-DISOATLAS_BUILD_TOOL=OFF",
+                "-DISOATLAS_BUILD_TESTS=OFF", "-DISOATLAS_BUILD_PAGE=OFF")
+            run(CMAKE, "--build", top / "build")
+            self.assertIn("libc++", run("ldd", top / "build/src/libisoatlas.so"))
+            for example in ("consumer", "implicit_field", "sizing_field", "custom_metric"):
+                run(compiler, "-std=c++20", "-stdlib=libc++", f"-I{ROOT}/include",
+                    f"-I{top}/build/include", ROOT / "examples" / example / "main.cpp",
+                    f"-L{top}/build/src", "-lisoatlas", f"-Wl,-rpath,{top}/build/src", "-o",
+                    top / example)
+                self.assertEqual(run(top / example), run(BUILD / "bin" / f"example_{example}"))
+            self.assertEqual(run(top / "consumer"), EXPECTED)
 
 
 if __name__ == "__main__":
