@@ -172,7 +172,7 @@ TEST(Adversarial, SheetsATenthOfAVoxelApart) {
 }
 
 TEST(Adversarial, CellsTwentyTimesAsLong) {
-  for (int axis = 0; axis < 3; ++axis) {
+  for (int axis = many() ? 0 : 2; axis < 3; ++axis) {
     const Vec3 spacing = axis == 0 ? Vec3{20, 1, 1} : axis == 1 ? Vec3{1, 20, 1} : Vec3{1, 1, 20};
     const std::string what = ", long axis " + std::to_string(axis);
     for (int family = 0; family < kFamilies; ++family)

@@ -57,7 +57,7 @@ Extraction levels(Placement placement) {
   ExtractOptions options = test::coarse_options();
   options.placement = placement;
   options.refine = {{{Quantity::max_distance, 1}}, {{Quantity::max_distance, 0.3}}};
-  return extract(test::to_volume(test::random_samples(test::Family::white_noise, {9, 10, 11}, 5)),
+  return extract(test::to_volume(test::random_samples(test::Family::white_noise, {6, 7, 8}, 5)),
                  options);
 }
 
