@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/mesh_counts.h"
 #include "support/mesh_reference.h"
 
 namespace isoatlas::detail::test {
@@ -25,7 +26,7 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
     return "its vertices are not those of a hierarchy";
   if (level.own_positions.size() !=
       (options.placement == Placement::balanced && l > 0 ? level.vertex_count : 0u))
-    return "placed has another size";
+    return "own_positions has another size";
   for (std::uint32_t v = before; v < level.vertex_count; ++v) {
     if (h.level_of(v) != l) return "level_of is wrong for vertex " + std::to_string(v);
     if (l == 0 ? h.parent[v] != v : h.parent[v] >= before)
@@ -39,12 +40,9 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
     if (std::max({t[0], t[1], t[2]}) >= mesh.positions.size())
       return "a triangle has a vertex that the level has not";
   }
-  const MeshTopology topology = mesh_topology(mesh);
-  if (!topology.is_manifold()) return "it is not a manifold";
-  if (!topology.is_oriented()) return "it is not oriented";
-  if (topology.unused_vertices > 0) return "a vertex is in no triangle";
-  if (summarize(topology.components) != report.topology)
-    return "its topology is not that of its report";
+  const MeshCounts counts = count_mesh(mesh);
+  if (!counts.fault.empty()) return counts.fault;
+  if (counts.topology != report.topology) return "its topology is not that of its report";
   if (report.topology != e.report.reference)
     return "its topology is not that of the reference surface";
   if (report.vertices != level.vertex_count || report.triangles != level.triangles.size())

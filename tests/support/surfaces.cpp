@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/surfaces.h"
+#include "support/mesh_counts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,20 +72,9 @@ TriangleMesh triangles_of(const SurfaceComplex& complex) {
 }
 
 std::vector<TopologySummary::Kind> kinds_of(const TriangleMesh& mesh) {
-  const MeshTopology topology = mesh_topology(mesh);
-  if (!topology.is_manifold() || !topology.is_oriented() || topology.unused_vertices != 0) {
-    throw std::runtime_error(
-        "not an oriented manifold: " + std::to_string(topology.non_manifold_edges) +
-        " bad edges, " + std::to_string(topology.non_manifold_vertices) + " bad vertices, " +
-        std::to_string(topology.inconsistent_edges) + " inconsistent edges, " +
-        std::to_string(topology.degenerate_triangles) + " degenerate triangles, " +
-        std::to_string(topology.unused_vertices) + " unused vertices");
-  }
-  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> kinds;
-  for (const ComponentTopology& c : topology.components) ++kinds[{c.genus(), c.boundary_loops}];
-  std::vector<TopologySummary::Kind> out;
-  for (const auto& [kind, count] : kinds) out.push_back({kind.first, kind.second, count});
-  return out;
+  const MeshCounts counts = count_mesh(mesh);
+  if (!counts.fault.empty()) throw std::runtime_error("not an oriented manifold: " + counts.fault);
+  return counts.topology.kinds;
 }
 
 std::string text(const std::vector<TopologySummary::Kind>& kinds) {

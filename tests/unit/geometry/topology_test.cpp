@@ -5,6 +5,7 @@
 #include "core/ids.h"
 #include "isoatlas/error.h"
 #include "isoatlas/mesh.h"
+#include "support/mesh_counts.h"
 #include "support/surfaces.h"
 #include "support/volumes.h"
 
@@ -232,6 +233,44 @@ TEST(MeshTopology, DoesNotDependOnTheOrderOfTrianglesOrVertices) {
     ASSERT_TRUE(t.is_manifold() && t.is_oriented());
     ASSERT_EQ(t.components, (std::vector<ComponentTopology>{{0, 0}}));
   }
+}
+
+// Tori with triangles removed, reversed and glued at random vertices, against another counter.
+TEST(MeshTopology, AgreesWithAnIndependentCount) {
+  Random random(6);
+  std::size_t manifolds = 0, faults = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::vector<Triangle> triangles = torus(5, 4);
+    if (random.bits() % 2 == 0)
+      for (const Triangle& t : tetrahedron(20, 21, 22, 23)) triangles.push_back(t);
+    for (std::uint64_t k = random.bits() % 8; k > 0; --k)
+      triangles.erase(triangles.begin() +
+                      static_cast<std::ptrdiff_t>(random.bits() % triangles.size()));
+    const std::uint64_t damage = random.bits() % 6;
+    if (damage == 0) std::swap(triangles[0][0], triangles[0][1]);
+    if (damage == 1) {
+      const auto from = static_cast<std::uint32_t>(random.bits() % 24),
+                 to = static_cast<std::uint32_t>(random.bits() % 24);
+      for (Triangle& t : triangles)
+        for (std::uint32_t& corner : t) corner = corner == from ? to : corner;
+    }
+    std::vector<std::uint32_t> id(24, kNone);  // vertices in the order of their first use
+    std::uint32_t count = 0;
+    for (Triangle& t : triangles)
+      for (std::uint32_t& corner : t)
+        corner = id[corner] == kNone ? id[corner] = count++ : id[corner];
+    const TriangleMesh mesh = mesh_of(count + (damage == 2 ? 1 : 0), triangles);
+    const MeshTopology found = mesh_topology(mesh);
+    const test::MeshCounts counts = test::count_mesh(mesh);
+    const bool is_sound = found.is_manifold() && found.is_oriented() && found.unused_vertices == 0;
+    ASSERT_EQ(is_sound, counts.fault.empty()) << round << ": " << counts.fault;
+    (is_sound ? manifolds : faults) += 1;
+    if (!is_sound) continue;
+    ASSERT_EQ(found.edges, counts.edges) << round;
+    ASSERT_EQ(summarize(found.components), counts.topology) << round;
+  }
+  EXPECT_GT(manifolds, 300u);
+  EXPECT_GT(faults, 300u);
 }
 
 TEST(Summarize, CollectsKindsInOrder) {
