@@ -63,7 +63,7 @@ StandardInput::StandardInput() {
     close(descriptor_);
     throw;
   }
-  path_ = "/proc/self/fd/" + std::to_string(descriptor_);
+  path_ = "/dev/fd/" + std::to_string(descriptor_);
 }
 
 StandardInput::~StandardInput() { close(descriptor_); }
