@@ -3,7 +3,8 @@ option(ISOATLAS_WARNINGS_AS_ERRORS "treat warnings as errors" ${ISOATLAS_IS_TOP_
 set(ISOATLAS_SANITIZE "" CACHE STRING "sanitizers to build with, e.g. address,undefined or thread")
 
 option(ISOATLAS_UNITY_BUILD
-  "compile a module's source files together: half the time for all, but a change costs its module" OFF)
+  "compile a module's source files together: half the time for all, but a change costs its module"
+  OFF)
 
 function(isoatlas_flags target)
   # No contraction and no fast-math: results have the same bytes at each optimisation level.

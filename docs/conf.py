@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The documentation site, by Sphinx. scripts/build_docs.sh builds it and lists its requirements."""
+
 import os
 import pathlib
 import re
@@ -16,7 +17,9 @@ sys.path.insert(0, str(DOCS / "_ext"))
 project = "isoatlas"
 author = "the isoatlas contributors"
 copyright = "the isoatlas contributors. Apache License 2.0"
-release = version = re.search(r"project\(isoatlas VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+release = version = re.search(
+    r"project\(isoatlas VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text()
+)[1]
 
 extensions = [
     "breathe",
@@ -47,7 +50,11 @@ copybutton_only_copy_prompt_lines = True
 highlight_language = "text"
 
 # The API of C++: doxygen's XML, which scripts/build_docs.sh makes.
-breathe_projects = {"isoatlas": os.environ.get("ISOATLAS_DOXYGEN_XML", str(ROOT / "build" / "docs" / "doxygen" / "xml"))}
+breathe_projects = {
+    "isoatlas": os.environ.get(
+        "ISOATLAS_DOXYGEN_XML", str(ROOT / "build" / "docs" / "doxygen" / "xml")
+    )
+}
 breathe_default_project = "isoatlas"
 breathe_show_include = False
 breathe_default_members = ("members",)
@@ -65,9 +72,13 @@ napoleon_custom_sections = [("Warns", "returns_style")]
 
 # What other projects document, and what is inside namespaces that doxygen leaves out.
 nitpick_ignore_regex = [
-    ("cpp:identifier", r"isoatlas|std|size_t|ptrdiff_t|u?int\d+_t|Sample|Range|F"),  # the last three: of templates
+    # Sample, Range and F are parameters of templates.
+    ("cpp:identifier", r"isoatlas|std|size_t|ptrdiff_t|u?int\d+_t|Sample|Range|F"),
     # "@throws Error(bad_file)": breathe takes the code for a type; "@throws as extract()".
-    ("cpp:identifier", "as|bad_argument|bad_file|unsupported|empty_surface|internal|out_of_memory|cancelled"),
+    (
+        "cpp:identifier",
+        "as|bad_argument|bad_file|unsupported|empty_surface|internal|out_of_memory|cancelled",
+    ),
     ("py:.*", r"(?!isoatlas).*"),
 ]
 
@@ -82,7 +93,10 @@ PAGE_IN_TEXT = re.compile(r"docs/([\w/-]+)\.md")
 
 
 def lead_links_beside_docs(app, doctree):
-    """A link from a page to a file beside docs/, as a code host has it, leads to the page that includes the file."""
+    """Makes a link to a file beside docs/ lead to the page that includes the file.
+
+    On a code host, the link leads to the file itself.
+    """
     folder = pathlib.PurePosixPath(app.env.docname).parent
     for link in doctree.findall(addnodes.pending_xref):
         if link.get("reftype") != "myst":
@@ -100,7 +114,9 @@ def link_pages_in_api(app, doctree):
         return
     for text in list(doctree.findall(nodes.Text)):
         parts = PAGE_IN_TEXT.split(text)
-        if len(parts) == 1 or isinstance(text.parent, (nodes.literal, nodes.literal_block, nodes.reference)):
+        if len(parts) == 1 or isinstance(
+            text.parent, (nodes.literal, nodes.literal_block, nodes.reference)
+        ):
             continue
         new = []
         for k, part in enumerate(parts):
@@ -108,9 +124,15 @@ def link_pages_in_api(app, doctree):
                 new.append(nodes.Text(part))
                 continue
             link = addnodes.pending_xref(
-                "", nodes.inline("", f"docs/{part}.md"), refdomain="std", reftype="doc", reftarget=f"/{part}", refdoc=app.env.docname,
-                refexplicit=True, refwarn=True,
-            )  # fmt: skip
+                "",
+                nodes.inline("", f"docs/{part}.md"),
+                refdomain="std",
+                reftype="doc",
+                reftarget=f"/{part}",
+                refdoc=app.env.docname,
+                refexplicit=True,
+                refwarn=True,
+            )
             new.append(link)
         text.parent.replace(text, new)
 
@@ -123,7 +145,14 @@ class LeftOut(Directive):
     option_spec = {"members": directives.unchanged}
 
     def run(self):
-        return [nodes.paragraph("", "", nodes.literal("", self.arguments[0]), nodes.Text(": left out, the site was built without the module."))]
+        return [
+            nodes.paragraph(
+                "",
+                "",
+                nodes.literal("", self.arguments[0]),
+                nodes.Text(": left out, the site was built without the module."),
+            )
+        ]
 
 
 def leave_python_out(app):

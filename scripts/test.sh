@@ -7,7 +7,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/install_dependencies.sh test
-cmake --preset release -DISOATLAS_BUILD_TESTS=ON -DISOATLAS_BUILD_PYTHON=ON -DISOATLAS_UNITY_BUILD=ON
+cmake --preset release -DISOATLAS_BUILD_TESTS=ON -DISOATLAS_BUILD_PYTHON=ON \
+  -DISOATLAS_UNITY_BUILD=ON
 cmake --build --preset release
 if [ "${1:-}" = --all ]; then
   shift

@@ -1,8 +1,10 @@
-# What users of the library link: isoatlas::isoatlas and, for files, isoatlas::io. In another project they are static
-# unless BUILD_SHARED_LIBS is set. With ISOATLAS_INSTALL both kinds of the core are built.
+# What users of the library link: isoatlas::isoatlas and, for files, isoatlas::io. In another
+# project they are static unless BUILD_SHARED_LIBS is set. With ISOATLAS_INSTALL both kinds of the
+# core are built.
 
 if(ISOATLAS_INSTALL OR BUILD_SHARED_LIBS)
-  isoatlas_library(isoatlas_shared SHARED OUTPUT isoatlas MODULES ${core_modules} LINK isoatlas_core_modules)
+  isoatlas_library(isoatlas_shared SHARED OUTPUT isoatlas MODULES ${core_modules}
+    LINK isoatlas_core_modules)
   set_target_properties(isoatlas_shared PROPERTIES EXPORT_NAME isoatlas)
 endif()
 if(ISOATLAS_INSTALL OR NOT BUILD_SHARED_LIBS)
@@ -20,14 +22,16 @@ endif()
 
 if(ISOATLAS_BUILD_IO)
   if(TARGET isoatlas_shared)
-    # It contains a hidden copy of the internals that it needs, because the core's library does not export them.
+    # It contains a hidden copy of the internals that it needs, because the core's library does not
+    # export them.
     isoatlas_library(isoatlas_io_shared SHARED OUTPUT isoatlas_io MODULES ${io_modules}
       LINK isoatlas_shared isoatlas_core_modules isoatlas_io_modules)
     target_link_libraries(isoatlas_io_shared INTERFACE isoatlas_shared)
     set_target_properties(isoatlas_io_shared PROPERTIES EXPORT_NAME io)
     add_library(isoatlas::io ALIAS isoatlas_io_shared)
   else()
-    isoatlas_library(isoatlas_io_static STATIC OUTPUT isoatlas_io MODULES ${io_modules} LINK isoatlas_io_modules)
+    isoatlas_library(isoatlas_io_static STATIC OUTPUT isoatlas_io MODULES ${io_modules}
+      LINK isoatlas_io_modules)
     target_link_libraries(isoatlas_io_static PUBLIC isoatlas_static)
     add_library(isoatlas::io ALIAS isoatlas_io_static)
   endif()

@@ -4,16 +4,26 @@ import {readFileSync} from "node:fs";
 
 import {defineConfig} from "vite";
 
-const licence = (name, file) => `${name}\n\n${readFileSync(new URL(`node_modules/${name}/${file}`, import.meta.url), "utf8").trim()}`;
+const licence = (name, file) => {
+  const url = new URL(`node_modules/${name}/${file}`, import.meta.url);
+  return `${name}\n\n${readFileSync(url, "utf8").trim()}`;
+};
 
-/** Both licences ask that their text goes with every copy; the minifier would drop a comment, so it is put in front afterwards. */
+/**
+ * Both licences ask that their text goes with every copy; the minifier would drop a comment, so it
+ * is put in front afterwards.
+ */
 const notices = {
   name: "notices",
   enforce: "post",
   generateBundle(_, bundle) {
     for (const output of Object.values(bundle)) {
       if (output.type !== "chunk") continue;
-      const text = ["isoatlas page, SPDX-License-Identifier: Apache-2.0. It contains:", licence("three", "LICENSE"), licence("meshoptimizer", "LICENSE.md")].join("\n\n");
+      const text = [
+        "isoatlas page, SPDX-License-Identifier: Apache-2.0. It contains:",
+        licence("three", "LICENSE"),
+        licence("meshoptimizer", "LICENSE.md"),
+      ].join("\n\n");
       output.code = `/*!\n${text.replaceAll("*/", "* /")}\n*/\n${output.code}`;
       // The script stands inside an HTML page, where these would end it or hide its end.
       for (const forbidden of [/<\/script/i, /<!--/, /<script/i]) {
@@ -30,6 +40,12 @@ export default defineConfig({
     outDir: process.env.ISOATLAS_PAGE_OUT || "dist",
     emptyOutDir: true,
     cssCodeSplit: false,
-    lib: {entry: "src/main.ts", formats: ["iife"], name: "isoatlasPage", fileName: () => "page.js", cssFileName: "page"},
+    lib: {
+      entry: "src/main.ts",
+      formats: ["iife"],
+      name: "isoatlasPage",
+      fileName: () => "page.js",
+      cssFileName: "page",
+    },
   },
 });

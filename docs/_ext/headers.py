@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The directive `header`: all that a header of include/isoatlas declares, in its order, from doxygen's XML by breathe."""
+"""The directive `header`: all that a header of include/isoatlas declares, in its order.
+
+It is taken from doxygen's XML, by breathe.
+"""
+
 import pathlib
 import xml.etree.ElementTree as ElementTree
 
@@ -10,11 +14,20 @@ from sphinx.util.docutils import SphinxDirective
 
 LOG = logging.getLogger(__name__)
 HEADERS = pathlib.Path(__file__).resolve().parents[2] / "include" / "isoatlas"
-KINDS = {"function": "doxygenfunction", "enum": "doxygenenum", "typedef": "doxygentypedef", "variable": "doxygenvariable"}
+KINDS = {
+    "function": "doxygenfunction",
+    "enum": "doxygenenum",
+    "typedef": "doxygentypedef",
+    "variable": "doxygenvariable",
+}
 
 
 def members(xml, header):
-    """(line, directive, name) of each struct, class, function, enum, type and constant of the namespace isoatlas."""
+    """(line, directive, name) of all that the header declares in the namespace isoatlas.
+
+    These are structs, classes, functions, enums, types and constants.
+    """
+
     def is_here(element):
         location = element.find("location")
         return location is not None and pathlib.PurePosixPath(location.get("file")).name == header
@@ -23,10 +36,13 @@ def members(xml, header):
         for compound in ElementTree.parse(file).iter("compounddef"):
             name = compound.findtext("compoundname")
             if is_here(compound) and name.count("::") == 1:  # those inside others come with them
-                yield int(compound.find("location").get("line")), f"doxygen{compound.get('kind')}", name
+                line = int(compound.find("location").get("line"))
+                yield line, f"doxygen{compound.get('kind')}", name
     for member in ElementTree.parse(xml / "namespaceisoatlas.xml").iter("memberdef"):
         if is_here(member) and member.get("kind") in KINDS:
-            arguments = member.findtext("argsstring") or "" if member.get("kind") == "function" else ""
+            arguments = (
+                member.findtext("argsstring") or "" if member.get("kind") == "function" else ""
+            )
             name = f"isoatlas::{member.findtext('name')}{arguments}"
             yield int(member.find("location").get("line")), KINDS[member.get("kind")], name
 
@@ -41,17 +57,25 @@ class Header(SphinxDirective):
         self.env.__dict__.setdefault("headers_shown", set()).add(header)
         self.env.note_dependency(str(HEADERS / header))
         if not found:
-            LOG.warning("%s declares nothing that doxygen knows", header, location=self.get_location())
+            LOG.warning(
+                "%s declares nothing that doxygen knows", header, location=self.get_location()
+            )
         text = StringList()
         for _, directive, name in found:
-            options = [":members:", ":undoc-members:"] if directive in ("doxygenstruct", "doxygenclass") else []
+            options = (
+                [":members:", ":undoc-members:"]
+                if directive in ("doxygenstruct", "doxygenclass")
+                else []
+            )
             for line in [f".. {directive}:: {name}", *(f"   {option}" for option in options), ""]:
                 text.append(line, header)
-        self.state.inline_text("", self.lineno)  # prepares what "@throws" needs, also where no other text comes before it
+        # Prepares what "@throws" needs, also where no other text comes before it.
+        self.state.inline_text("", self.lineno)
         node = nodes.Element()
         self.state.nested_parse(text, self.content_offset, node)
         for paragraph in list(node.findall(nodes.paragraph)):
-            if paragraph.astext().startswith("Subclassed by"):  # its links do not resolve, and the class lists its bases
+            # Its links do not resolve, and the class lists its bases.
+            if paragraph.astext().startswith("Subclassed by"):
                 paragraph.parent.remove(paragraph)
         return node.children
 
@@ -60,7 +84,11 @@ def check_that_all_are_shown(app, env):
     shown = getattr(env, "headers_shown", set())
     for header in sorted(HEADERS.glob("*.h")):
         if header.name not in shown and "namespace isoatlas" in header.read_text():
-            LOG.warning("include/isoatlas/%s is missing: add it under its own heading", header.name, location="api/cpp")
+            LOG.warning(
+                "include/isoatlas/%s is missing: add it under its own heading",
+                header.name,
+                location="api/cpp",
+            )
 
 
 def setup(app):

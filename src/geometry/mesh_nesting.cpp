@@ -29,7 +29,7 @@ int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
 constexpr std::size_t kComponentsPerPiece = 16;  // components per piece of a parallel loop
 
-// --------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // signs of volumes
 
 struct VolumeSum {
@@ -72,7 +72,7 @@ int exact_sign(std::span<const Vec3> positions, std::span<const Triangle> triang
   return static_cast<int>(CGAL::sign(six_volumes));
 }
 
-// ---------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // crossings of rays
 
 // The side of the directed line from a to b on which p lies, seen along the x axis, with p moved by

@@ -20,7 +20,12 @@ function grid(u, v, of, closed = true) {
   for (let i = 0; i < u; ++i) for (let j = 0; j < columns; ++j) positions.push(of(i / u, j / v));
   const at = (i, j) => (i % u) * columns + (closed ? j % v : j);
   for (let i = 0; i < u; ++i) {
-    for (let j = 0; j < v; ++j) triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+    for (let j = 0; j < v; ++j) {
+      triangles.push(
+        [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+        [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+      );
+    }
   }
   return {positions, triangles};
 }
@@ -29,7 +34,11 @@ export function torus(u, v, [cx, cy, cz], radius, tube) {
   return grid(u, v, (s, t) => {
     const [a, b] = [2 * Math.PI * s, 2 * Math.PI * t];
     const bump = 1 + 0.16 * Math.sin(3 * a) * Math.cos(2 * b);
-    return [cx + Math.cos(a) * (radius + tube * bump * Math.cos(b)), cy + Math.sin(a) * (radius + tube * bump * Math.cos(b)), cz + tube * bump * Math.sin(b)];
+    return [
+      cx + Math.cos(a) * (radius + tube * bump * Math.cos(b)),
+      cy + Math.sin(a) * (radius + tube * bump * Math.cos(b)),
+      cz + tube * bump * Math.sin(b),
+    ];
   });
 }
 
@@ -44,9 +53,17 @@ export function tubePiece(u, v, [cx, cy, cz], radius, length) {
 
 export function sphere(times, [cx, cy, cz], radius) {
   let positions = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
-  let triangles = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+  let triangles = [
+    [0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4],
+    [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5],
+  ];
   for (let k = 0; k < times; ++k) ({positions, triangles} = subdivide({positions, triangles}));
-  return {positions: positions.map((p) => p.map((x, i) => [cx, cy, cz][i] + (radius * x) / Math.hypot(...p))), triangles};
+  return {
+    positions: positions.map((p) =>
+      p.map((x, i) => [cx, cy, cz][i] + (radius * x) / Math.hypot(...p)),
+    ),
+    triangles,
+  };
 }
 
 /** Splits each triangle into four. Old vertices keep their indices, as in nested levels. */
@@ -55,7 +72,8 @@ export function subdivide({positions, triangles}, moved = (p) => p) {
   const middle = new Map();
   const between = (a, b) => {
     const key = `${Math.min(a, b)} ${Math.max(a, b)}`;
-    if (!middle.has(key)) middle.set(key, out.push(moved(out[a].map((x, i) => (x + out[b][i]) / 2))) - 1);
+    if (!middle.has(key))
+      middle.set(key, out.push(moved(out[a].map((x, i) => (x + out[b][i]) / 2))) - 1);
     return middle.get(key);
   };
   const subdivided = triangles.flatMap(([a, b, c]) => {
@@ -86,7 +104,13 @@ function aspect({positions, triangles}) {
     return ratio;
   }).sort((a, b) => a - b);
   const at = (share) => ratios[Math.floor(share * (ratios.length - 1))];
-  return {minimum: ratios[0], p01: at(0.01), median: at(0.5), share_below_third: ratios.filter((r) => r < 1 / 3).length / ratios.length, histogram};
+  return {
+    minimum: ratios[0],
+    p01: at(0.01),
+    median: at(0.5),
+    share_below_third: ratios.filter((r) => r < 1 / 3).length / ratios.length,
+    histogram,
+  };
 }
 
 export class Geometry {
@@ -101,13 +125,25 @@ export class Geometry {
   }
 
   positions(points, origin, step) {
-    const integers = Uint32Array.from(points.flatMap((p) => p.map((x, i) => Math.max(0, Math.round((x - origin[i]) / step)))));
-    const bytes = MeshoptEncoder.encodeVertexBufferLevel(new Uint8Array(integers.buffer), points.length, 12, 2, VERTEX_CODEC);
+    const integers = Uint32Array.from(
+      points.flatMap((p) => p.map((x, i) => Math.max(0, Math.round((x - origin[i]) / step)))),
+    );
+    const bytes = MeshoptEncoder.encodeVertexBufferLevel(
+      new Uint8Array(integers.buffer),
+      points.length,
+      12,
+      2,
+      VERTEX_CODEC,
+    );
     return {...this.add(bytes), count: points.length, origin, step};
   }
 
   triangles(triangles) {
-    const bytes = MeshoptEncoder.encodeIndexBuffer(new Uint8Array(Uint32Array.from(triangles.flat()).buffer), 3 * triangles.length, 4);
+    const bytes = MeshoptEncoder.encodeIndexBuffer(
+      new Uint8Array(Uint32Array.from(triangles.flat()).buffer),
+      3 * triangles.length,
+      4,
+    );
     return {...this.add(bytes), count: triangles.length};
   }
 
@@ -122,8 +158,12 @@ export class Geometry {
  */
 export function makeResult(geometry, levels, topology, options = {}) {
   const finest = levels[levels.length - 1];
-  const low = [0, 1, 2].map((i) => finest.positions.reduce((least, p) => Math.min(least, p[i]), Infinity));
-  const high = [0, 1, 2].map((i) => finest.positions.reduce((most, p) => Math.max(most, p[i]), -Infinity));
+  const low = [0, 1, 2].map((i) =>
+    finest.positions.reduce((least, p) => Math.min(least, p[i]), Infinity),
+  );
+  const high = [0, 1, 2].map((i) =>
+    finest.positions.reduce((most, p) => Math.max(most, p[i]), -Infinity),
+  );
   const step = Math.max(...high.map((h, i) => h - low[i])) / 65535;
   const placed = options.placed ?? false;
   const shared = placed ? levels[levels.length - 1].positions : finest.positions;
@@ -136,39 +176,126 @@ export function makeResult(geometry, levels, topology, options = {}) {
     genus: topology.genus,
     boundary_loops: topology.loops,
     kinds: topology.kinds,
-    ...(options.inverted_components === undefined ? {} : {inverted_components: options.inverted_components}),
-    self_intersections: level === 0 ? 0 : options.self_intersections === undefined ? 0 : options.self_intersections,
-    certificate: {passed: true, cells_checked: mesh.positions.length, arcs_checked: mesh.positions.length * 3, triples_checked: mesh.triangles.length, repair_rounds: 1, repair_sites: 4},
+    ...(options.inverted_components === undefined
+      ? {}
+      : {inverted_components: options.inverted_components}),
+    self_intersections:
+      level === 0 ? 0 : options.self_intersections === undefined ? 0 : options.self_intersections,
+    certificate: {
+      passed: true,
+      cells_checked: mesh.positions.length,
+      arcs_checked: mesh.positions.length * 3,
+      triples_checked: mesh.triangles.length,
+      repair_rounds: 1,
+      repair_sites: 4,
+    },
     quality: {aspect_ratio: aspect(mesh), angle_degrees: {minimum: 21, maximum: 110}},
-    metrics: options.distances === false ? null : {"max-distance": {maximum: 1.6842 / 4 ** level, mean: 0.4 / 4 ** level, unit: "world"}},
+    metrics:
+      options.distances === false
+        ? null
+        : {"max-distance": {maximum: 1.6842 / 4 ** level, mean: 0.4 / 4 ** level, unit: "world"}},
     ...(level === 2 ? {distance_at_most: 0.106} : {}),
-    constraints: level === 0 ? [] : [
-      {quantity: "max-distance", bound: 1.7 / 4 ** level, reached: 1.6842 / 4 ** level, unit: "world", satisfied: true, default: false, reason: null},
-      {quantity: "min-aspect", bound: 1 / 3, reached: 0.31, unit: "ratio", satisfied: false, default: true, reason: "a vertex of an earlier level is fixed"},
-    ],
+    constraints:
+      level === 0
+        ? []
+        : [
+            {
+              quantity: "max-distance",
+              bound: 1.7 / 4 ** level,
+              reached: 1.6842 / 4 ** level,
+              unit: "world",
+              satisfied: true,
+              default: false,
+              reason: null,
+            },
+            {
+              quantity: "min-aspect",
+              bound: 1 / 3,
+              reached: 0.31,
+              unit: "ratio",
+              satisfied: false,
+              default: true,
+              reason: "a vertex of an earlier level is fixed",
+            },
+          ],
   }));
   return {
     title: options.title ?? "ring_and_ball.nhdr",
     unit: options.unit ?? "mm",
-    command: options.command === undefined ? "isoatlas extract ring_and_ball.nhdr --iso 100 --refine max-distance:1.7 --refine max-distance:0.42 -o ring.glb --html ring.html" : options.command,
-    parameters: options.parameters === undefined ? {space: "lps", supersample: 1, max_radius: null, placement: placed ? "balanced" : "surface", refine: [[{quantity: "max-distance", bound: 0.42}]], vertices_on_surface: true} : options.parameters,
-    input: options.input === undefined ? {path: "ring_and_ball.nhdr", sample_type: "uint8", size: [96, 96, 64], spacing: [1, 1, 1.5], origin: [0, 0, 0], direction: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]} : options.input,
-    surface: options.surface === undefined ? {isovalue: 100, inside: "above", topology: "trilinear"} : options.surface,
-    reference: options.reference === undefined ? {c_vertices: 40000, components: topology.components, euler_characteristic: topology.euler, genus: topology.genus, boundary_loops: topology.loops, kinds: topology.kinds} : options.reference,
+    command:
+      options.command === undefined
+        ? "isoatlas extract ring_and_ball.nhdr --iso 100 --refine max-distance:1.7 " +
+          "--refine max-distance:0.42 -o ring.glb --html ring.html"
+        : options.command,
+    parameters:
+      options.parameters === undefined
+        ? {
+            space: "lps",
+            supersample: 1,
+            max_radius: null,
+            placement: placed ? "balanced" : "surface",
+            refine: [[{quantity: "max-distance", bound: 0.42}]],
+            vertices_on_surface: true,
+          }
+        : options.parameters,
+    input:
+      options.input === undefined
+        ? {
+            path: "ring_and_ball.nhdr",
+            sample_type: "uint8",
+            size: [96, 96, 64],
+            spacing: [1, 1, 1.5],
+            origin: [0, 0, 0],
+            direction: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+          }
+        : options.input,
+    surface:
+      options.surface === undefined
+        ? {isovalue: 100, inside: "above", topology: "trilinear"}
+        : options.surface,
+    reference:
+      options.reference === undefined
+        ? {
+            c_vertices: 40000,
+            components: topology.components,
+            euler_characteristic: topology.euler,
+            genus: topology.genus,
+            boundary_loops: topology.loops,
+            kinds: topology.kinds,
+          }
+        : options.reference,
     ...(options.kept ? {kept: options.kept, dropped: options.dropped} : {}),
     levels: facts,
-    marching_cubes: options.marching_cubes === undefined
-      ? {triangles: 84312, histogram: [4100, 4000, 3800, 3700, 3900, 4000, 4200, 4100, 4000, 4300, 4600, 5000, 5400, 7900, 9800, 5200, 2900, 1800, 1100, 512], share_below_third: 0.341, minimum: 0.0004}
-      : options.marching_cubes,
+    marching_cubes:
+      options.marching_cubes === undefined
+        ? {
+            triangles: 84312,
+            histogram: [
+              4100, 4000, 3800, 3700, 3900, 4000, 4200, 4100, 4000, 4300, 4600, 5000, 5400, 7900,
+              9800, 5200, 2900, 1800, 1100, 512,
+            ],
+            share_below_third: 0.341,
+            minimum: 0.0004,
+          }
+        : options.marching_cubes,
     geometry: {
       positions: geometry.positions(shared, low, step),
       levels: levels.map((mesh, level) => ({
         vertices: mesh.positions.length,
         triangles: geometry.triangles(mesh.triangles),
         ...(placed ? {own_positions: geometry.positions(mesh.positions, low, step)} : {}),
-        ...(options.distances === false ? {} : {
-          distance: {...geometry.add(Uint8Array.from(mesh.positions, (p) => Math.round(255 * (0.5 + 0.5 * Math.sin(0.21 * p[0] - 0.13 * p[2])) ** 2))), maximum: 1.6842 / 4 ** level},
-        }),
+        ...(options.distances === false
+          ? {}
+          : {
+              distance: {
+                ...geometry.add(
+                  Uint8Array.from(mesh.positions, (p) =>
+                    Math.round(255 * (0.5 + 0.5 * Math.sin(0.21 * p[0] - 0.13 * p[2])) ** 2),
+                  ),
+                ),
+                maximum: 1.6842 / 4 ** level,
+              },
+            }),
       })),
     },
   };
@@ -179,10 +306,15 @@ const safe = (value) => JSON.stringify(value).replaceAll("<", "\\u003c");
 const text = (value) => value.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
 
 export function assemble(results, geometry) {
-  const [script, style] = ["page.js", "page.css"].map((name) => readFileSync(join(bundleFolder, name), "utf8"));
-  return `<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>${text(results[0].title)}</title><style>${style}</style></head><body>
+  const [script, style] = ["page.js", "page.css"].map((name) =>
+    readFileSync(join(bundleFolder, name), "utf8"),
+  );
+  const data = safe({schema: "isoatlas-page-2", version: "0.1.0", results});
+  return `<!doctype html><html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>${text(results[0].title)}</title><style>${style}</style></head><body>
 <noscript>This page needs JavaScript.</noscript>
-<script type="application/json" id="isoatlas-data">${safe({schema: "isoatlas-page-2", version: "0.1.0", results})}</script>
+<script type="application/json" id="isoatlas-data">${data}</script>
 <script type="text/plain" id="isoatlas-geometry">${geometry.base64()}</script>
 <script>${script}</script></body></html>
 `;
@@ -197,13 +329,33 @@ function nested(mesh, levels) {
 /** A ring around a ball, an open tube, and three small balls. */
 function ringAndBall(levels, u = 18, v = 9, offset = [0, 0, 0]) {
   const at = (x, y, z) => [x + offset[0], y + offset[1], z + offset[2]];
-  const parts = [torus(u, v, at(0, 0, 0), 40, 15), sphere(1, at(0, 0, 3), 14), tubePiece(8, 6, at(52, 30, 24), 6, 30)];
+  const parts = [
+    torus(u, v, at(0, 0, 0), 40, 15),
+    sphere(1, at(0, 0, 3), 14),
+    tubePiece(8, 6, at(52, 30, 24), 6, 30),
+  ];
   for (let k = 0; k < 3; ++k) parts.push(sphere(0, at(-50 + 9 * k, 38 + 6 * k, 26), 3.4 - 0.7 * k));
   return nested(join_meshes(...parts), levels);
 }
 
-const RING = {components: 6, euler: 8, genus: 1, loops: 2, kinds: [{genus: 0, boundary_loops: 0, count: 4}, {genus: 1, boundary_loops: 0, count: 1}, {genus: 0, boundary_loops: 2, count: 1}]};
-const TORUS = {components: 1, euler: 0, genus: 1, loops: 0, kinds: [{genus: 1, boundary_loops: 0, count: 1}]};
+const RING = {
+  components: 6,
+  euler: 8,
+  genus: 1,
+  loops: 2,
+  kinds: [
+    {genus: 0, boundary_loops: 0, count: 4},
+    {genus: 1, boundary_loops: 0, count: 1},
+    {genus: 0, boundary_loops: 2, count: 1},
+  ],
+};
+const TORUS = {
+  components: 1,
+  euler: 0,
+  genus: 1,
+  loops: 0,
+  kinds: [{genus: 1, boundary_loops: 0, count: 1}],
+};
 
 function page(...make) {
   const geometry = new Geometry();
@@ -213,36 +365,92 @@ function page(...make) {
 
 /** The facts in a file of another program: no shapes, kinds or certificate. */
 function terse(result) {
-  for (const level of result.levels) for (const key of ["quality", "kinds", "certificate", "constraints"]) delete level[key];
+  for (const level of result.levels)
+    for (const key of ["quality", "kinds", "certificate", "constraints"]) delete level[key];
   return result;
 }
 
 function dust(count) {
-  const balls = Array.from({length: count}, (_, i) => sphere(0, [12 * (i % 6), 12 * Math.floor(i / 6), 5 * Math.sin(i)], 2 + (i % 7) / 2));
+  const balls = Array.from({length: count}, (_, i) =>
+    sphere(0, [12 * (i % 6), 12 * Math.floor(i / 6), 5 * Math.sin(i)], 2 + (i % 7) / 2),
+  );
   return [join_meshes(...balls)];
 }
 
 export const pages = {
   ring: () => page((g) => makeResult(g, ringAndBall(4), RING, {inverted_components: 0})),
-  large: () => page((g) => makeResult(g, nested(torus(40, 20, [0, 0, 0], 40, 16), 4), TORUS, {title: "large.nrrd"})),  // 1,600 to 102,400 triangles
-  balanced: () => page((g) => {
-    const [coarse, fine] = ringAndBall(2);
-    const shrunk = {positions: coarse.positions.map((p) => p.map((x) => 0.97 * x)), triangles: coarse.triangles};
-    return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced", inverted_components: 1, kept: {components: 3, parts: 1, largest: 12.5}, dropped: {components: 7, parts: 7, largest: 0.25}});
-  }),
-  bare: () => page((g) => makeResult(g, ringAndBall(2), RING, {title: "bare.glb", distances: false, command: null, parameters: null, input: null, surface: null, reference: null, marching_cubes: null, self_intersections: null})),
+  // 1,600 to 102,400 triangles.
+  large: () =>
+    page((g) =>
+      makeResult(g, nested(torus(40, 20, [0, 0, 0], 40, 16), 4), TORUS, {title: "large.nrrd"}),
+    ),
+  balanced: () =>
+    page((g) => {
+      const [coarse, fine] = ringAndBall(2);
+      const shrunk = {
+        positions: coarse.positions.map((p) => p.map((x) => 0.97 * x)),
+        triangles: coarse.triangles,
+      };
+      return makeResult(g, [shrunk, fine], RING, {
+        placed: true,
+        title: "balanced",
+        inverted_components: 1,
+        kept: {components: 3, parts: 1, largest: 12.5},
+        dropped: {components: 7, parts: 7, largest: 0.25},
+      });
+    }),
+  bare: () =>
+    page((g) =>
+      makeResult(g, ringAndBall(2), RING, {
+        title: "bare.glb",
+        distances: false,
+        command: null,
+        parameters: null,
+        input: null,
+        surface: null,
+        reference: null,
+        marching_cubes: null,
+        self_intersections: null,
+      }),
+    ),
   terse: () => page((g) => terse(makeResult(g, ringAndBall(3), RING, {title: "terse.vtm"}))),
-  hostile: () => page((g) => makeResult(g, ringAndBall(2), RING, {
-    title: "</script><b>bold</b><img src=x onerror=alert(1)>",
-    command: "isoatlas extract '</script><script>document.title=\"owned\"</script><!--' --iso 1",
-    input: {path: "<script>a</script>.nrrd", size: [1, 2, 3]},
-  })),
-  far: () => page((g) => makeResult(g, ringAndBall(3, 18, 9, [1e6, -1e6, 1e6]), RING, {title: "far from the origin"})),
-  several: () => page(
-    (g) => makeResult(g, ringAndBall(3), RING, {title: "first"}),
-    (g) => makeResult(g, nested(torus(12, 7, [9, 9, 9], 30, 12), 2), TORUS, {title: "second", unit: "voxels"}),
-  ),
-  dust: () => page((g) => makeResult(g, dust(31), {components: 31, euler: 62, genus: 0, loops: 0, kinds: [{genus: 0, boundary_loops: 0, count: 31}]}, {title: "dust"})),
+  hostile: () =>
+    page((g) =>
+      makeResult(g, ringAndBall(2), RING, {
+        title: "</script><b>bold</b><img src=x onerror=alert(1)>",
+        command:
+          "isoatlas extract '</script><script>document.title=\"owned\"</script><!--' --iso 1",
+        input: {path: "<script>a</script>.nrrd", size: [1, 2, 3]},
+      }),
+    ),
+  far: () =>
+    page((g) =>
+      makeResult(g, ringAndBall(3, 18, 9, [1e6, -1e6, 1e6]), RING, {title: "far from the origin"}),
+    ),
+  several: () =>
+    page(
+      (g) => makeResult(g, ringAndBall(3), RING, {title: "first"}),
+      (g) =>
+        makeResult(g, nested(torus(12, 7, [9, 9, 9], 30, 12), 2), TORUS, {
+          title: "second",
+          unit: "voxels",
+        }),
+    ),
+  dust: () =>
+    page((g) =>
+      makeResult(
+        g,
+        dust(31),
+        {
+          components: 31,
+          euler: 62,
+          genus: 0,
+          loops: 0,
+          kinds: [{genus: 0, boundary_loops: 0, count: 31}],
+        },
+        {title: "dust"},
+      ),
+    ),
 };
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {

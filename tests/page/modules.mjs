@@ -12,4 +12,6 @@ export const bundleFolder = resolve(process.env.ISOATLAS_PAGE_OUT ?? join(buildF
 
 const require = createRequire(join(buildFolder, "package.json"));
 export const {chromium} = require("playwright-core");
-export const {MeshoptEncoder} = await import(pathToFileURL(require.resolve("meshoptimizer/encoder")).href);
+export const {MeshoptEncoder} = await import(
+  pathToFileURL(require.resolve("meshoptimizer/encoder")).href
+);

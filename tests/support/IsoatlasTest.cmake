@@ -1,6 +1,7 @@
 # isoatlas_test(NAME SOURCES a.cpp ... LABELS unit ... [LINK lib ...] [TIMEOUT seconds])
 #
-# One GoogleTest executable; every test case becomes a ctest test NAME.Suite.Case with the given labels.
+# One GoogleTest executable; every test case becomes a ctest test NAME.Suite.Case with the given
+# labels.
 include_guard(GLOBAL)
 include(GoogleTest)
 
@@ -11,7 +12,8 @@ function(isoatlas_test name)
   endif()
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE isoatlas_test_support ${ARG_LINK} GTest::gtest GTest::gtest_main)
+  target_link_libraries(${target} PRIVATE
+    isoatlas_test_support ${ARG_LINK} GTest::gtest GTest::gtest_main)
   isoatlas_flags(${target})
   # Tests are full of small literals: conversions between integer types are harmless here.
   target_compile_options(${target} PRIVATE -Wno-conversion)

@@ -57,8 +57,13 @@ export class Camera {
     }
     if (positions.length === 0) low.fill(-1), high.fill(1), (farthest = 1);
     this.radius = Math.sqrt(farthest) || 1;
-    this.extent = [Math.max(high[0] - low[0], 1e-6 * this.radius) / 2, Math.max(high[1] - low[1], 1e-6 * this.radius) / 2];
-    const target = right.multiplyScalar((low[0] + high[0]) / 2).addScaledVector(up, (low[1] + high[1]) / 2);
+    this.extent = [
+      Math.max(high[0] - low[0], 1e-6 * this.radius) / 2,
+      Math.max(high[1] - low[1], 1e-6 * this.radius) / 2,
+    ];
+    const target = right
+      .multiplyScalar((low[0] + high[0]) / 2)
+      .addScaledVector(up, (low[1] + high[1]) / 2);
     this.home = {target, rotation, zoom: 1};
     this.set(this.home);
   }
@@ -75,7 +80,9 @@ export class Camera {
   }
 
   private scaleAt(zoom: number): number {
-    return (zoom * MARGIN * Math.min(this.width / this.extent[0], this.height / this.extent[1])) / 2;
+    return (
+      (zoom * MARGIN * Math.min(this.width / this.extent[0], this.height / this.extent[1])) / 2
+    );
   }
 
   /** The zoom at which a length has a number of pixels. */
@@ -85,7 +92,10 @@ export class Camera {
 
   /** The position of a point in the picture, in pixels from the upper left corner. */
   project(point: Vector3): [number, number] {
-    const seen = point.clone().sub(this.pose.target).applyQuaternion(this.pose.rotation.clone().invert());
+    const seen = point
+      .clone()
+      .sub(this.pose.target)
+      .applyQuaternion(this.pose.rotation.clone().invert());
     return [this.width / 2 + seen.x * this.scale, this.height / 2 - seen.y * this.scale];
   }
 
@@ -96,7 +106,8 @@ export class Camera {
   rotate(right: number, down: number): void {
     const perPixel = 3.2 / Math.max(Math.min(this.width, this.height), 200);
     const {rotation} = this.pose;
-    const upright = Y.clone().applyQuaternion(rotation).z >= 0 ? 1 : -1;  // upside down, the direction changes
+    // Upside down, the direction changes.
+    const upright = Y.clone().applyQuaternion(rotation).z >= 0 ? 1 : -1;
     rotation.premultiply(new Quaternion().setFromAxisAngle(UP, -upright * right * perPixel));
     rotation.multiply(new Quaternion().setFromAxisAngle(X, -down * perPixel)).normalize();
     this.stop();
@@ -104,7 +115,9 @@ export class Camera {
 
   /** Pans by a number of pixels. */
   pan(right: number, down: number): void {
-    const step = new Vector3(-right, down, 0).divideScalar(this.scale).applyQuaternion(this.pose.rotation);
+    const step = new Vector3(-right, down, 0)
+      .divideScalar(this.scale)
+      .applyQuaternion(this.pose.rotation);
     this.pose.target.add(step).clampLength(0, 3 * this.radius);
     this.stop();
   }
@@ -129,7 +142,11 @@ export class Camera {
 
   /** Moves to another pose in a third of a second; at once if the user prefers reduced motion. */
   glide(to: Pose): void {
-    const from: Pose = {target: this.pose.target.clone(), rotation: this.pose.rotation.clone(), zoom: this.pose.zoom};
+    const from: Pose = {
+      target: this.pose.target.clone(),
+      rotation: this.pose.rotation.clone(),
+      zoom: this.pose.zoom,
+    };
     const goal: Pose = {target: to.target.clone(), rotation: to.rotation.clone(), zoom: to.zoom};
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) {
       this.set(goal);
@@ -178,7 +195,14 @@ export class Camera {
     this.three.position.copy(target).addScaledVector(towards, ahead);
     this.three.quaternion.copy(rotation);
     const [w, h] = [this.width / this.scale / 2, this.height / this.scale / 2];
-    Object.assign(this.three, {left: -w, right: w, top: h, bottom: -h, near: 0, far: 2.02 * this.radius});
+    Object.assign(this.three, {
+      left: -w,
+      right: w,
+      top: h,
+      bottom: -h,
+      near: 0,
+      far: 2.02 * this.radius,
+    });
     this.three.updateProjectionMatrix();
     this.changed();
   }

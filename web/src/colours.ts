@@ -36,7 +36,10 @@ function colourOf(lightness: number, chroma: number, hue: number): Rgb {
   const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
   const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
   const s = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;
-  const gamma = (x: number): number => Math.round(255 * Math.min(Math.max(x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055, 0), 1));
+  const gamma = (x: number): number =>
+    Math.round(
+      255 * Math.min(Math.max(x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055, 0), 1),
+    );
   return [
     gamma(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
     gamma(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
@@ -48,7 +51,11 @@ const css = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;
 
 /** From light to dark in uniform steps, so that it also works in grey; hues from sand to plum. */
 function distanceColour(share: number): Rgb {
-  return colourOf(0.93 - 0.6 * share, 0.04 + 0.085 * Math.sin(Math.PI * Math.min(0.12 + 0.72 * share, 1)), 95 - 110 * share);
+  return colourOf(
+    0.93 - 0.6 * share,
+    0.04 + 0.085 * Math.sin(Math.PI * Math.min(0.12 + 0.72 * share, 1)),
+    95 - 110 * share,
+  );
 }
 
 /** Level 0 is the darkest, because it has the fewest vertices. */
@@ -72,11 +79,20 @@ const ASPECT: {below: number; text: string; colour: Rgb}[] = [
  * differ most.
  */
 const CLASSES: Rgb[] = [
-  colourOf(0.62, 0.085, 245), colourOf(0.79, 0.105, 75), colourOf(0.56, 0.085, 165), colourOf(0.68, 0.115, 30), colourOf(0.5, 0.1, 300),
-  colourOf(0.83, 0.07, 205), colourOf(0.47, 0.07, 60), colourOf(0.75, 0.09, 345), colourOf(0.7, 0.1, 130), colourOf(0.42, 0.07, 260),
+  colourOf(0.62, 0.085, 245),
+  colourOf(0.79, 0.105, 75),
+  colourOf(0.56, 0.085, 165),
+  colourOf(0.68, 0.115, 30),
+  colourOf(0.5, 0.1, 300),
+  colourOf(0.83, 0.07, 205),
+  colourOf(0.47, 0.07, 60),
+  colourOf(0.75, 0.09, 345),
+  colourOf(0.7, 0.1, 130),
+  colourOf(0.42, 0.07, 260),
 ];
 
-export const componentColour = (component: number): string => css(CLASSES[component % CLASSES.length]);
+export const componentColour = (component: number): string =>
+  css(CLASSES[component % CLASSES.length]);
 
 function palette(of: (entry: number) => Rgb): Uint8Array {
   const out = new Uint8Array(4 * 256);
@@ -94,7 +110,13 @@ export interface Shape {
 function byAspect(shape: Shape): Colours {
   const ratios = shape.ratios();
   const values = new Uint8Array(3 * ratios.length);
-  ratios.forEach((ratio, t) => values.fill(ASPECT.findIndex(({below}) => ratio < below), 3 * t, 3 * t + 3));
+  ratios.forEach((ratio, t) =>
+    values.fill(
+      ASPECT.findIndex(({below}) => ratio < below),
+      3 * t,
+      3 * t + 3,
+    ),
+  );
   const ends = ASPECT.map(({below}) => Math.min(below, 1));
   return {
     mode: "nearest",
@@ -112,7 +134,12 @@ function byAspect(shape: Shape): Colours {
 }
 
 function byDistance(level: Level, unit: string): Colours {
-  if (!level.distance) return {...NONE, legend: {title: "Distance error", note: "The file has no distance errors for this level."}};
+  if (!level.distance) {
+    return {
+      ...NONE,
+      legend: {title: "Distance error", note: "The file has no distance errors for this level."},
+    };
+  }
   const {steps, maximum} = level.distance;
   const values = Uint8Array.from(level.triangles, (v) => steps[v]);
   return {
@@ -121,7 +148,10 @@ function byDistance(level: Level, unit: string): Colours {
     palette: palette((i) => distanceColour(i / 255)),
     legend: {
       title: `Distance from the isosurface, ${unit}`,
-      ramp: {colours: Array.from({length: 13}, (_, i) => css(distanceColour(i / 12))), ticks: [0, 0.5, 1].map((share) => number(share * maximum))},
+      ramp: {
+        colours: Array.from({length: 13}, (_, i) => css(distanceColour(i / 12))),
+        ticks: [0, 0.5, 1].map((share) => number(share * maximum)),
+      },
     },
   };
 }
@@ -136,7 +166,10 @@ function byComponent(level: Level, shape: Shape): Colours {
     palette: palette((i) => CLASSES[i % CLASSES.length]),
     legend: {
       title: plural(found.list.length, "component"),
-      classes: shown.map(({triangles}, i) => ({colour: componentColour(i), name: plural(triangles, "triangle")})),
+      classes: shown.map(({triangles}, i) => ({
+        colour: componentColour(i),
+        name: plural(triangles, "triangle"),
+      })),
       note: rest > 0 ? `and ${count(rest)} smaller ones` : undefined,
     },
   };
@@ -153,13 +186,22 @@ function byLevel(mesh: Mesh, level: Level): Colours {
       title: "First level with the vertex",
       classes: mesh.levels.slice(0, shown + 1).map(({vertices}, k) => {
         const added = vertices - (k > 0 ? mesh.levels[k - 1].vertices : 0);
-        return {colour: css(levelColour(k, levels)), name: `${k}: ${plural(added, "vertex", "vertices")}`};
+        return {
+          colour: css(levelColour(k, levels)),
+          name: `${k}: ${plural(added, "vertex", "vertices")}`,
+        };
       }),
     },
   };
 }
 
-export function colour(kind: Colouring, mesh: Mesh, level: Level, shape: Shape, unit: string): Colours {
+export function colour(
+  kind: Colouring,
+  mesh: Mesh,
+  level: Level,
+  shape: Shape,
+  unit: string,
+): Colours {
   switch (kind) {
     case "aspect": return byAspect(shape);
     case "distance": return byDistance(level, unit);

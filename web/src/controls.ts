@@ -16,7 +16,12 @@ export interface Choice<T extends string> {
 }
 
 /** A choice of one of several visible options. */
-export function choice<T extends string>(name: string, legend: string, options: Option<T>[], changed: () => void): Choice<T> {
+export function choice<T extends string>(
+  name: string,
+  legend: string,
+  options: Option<T>[],
+  changed: () => void,
+): Choice<T> {
   const inputs = new Map<T, HTMLInputElement>();
   const chips = options.map(({value, text}) => {
     const input = element("input", {type: "radio", name, value, id: `${name}-${value}`});
@@ -28,7 +33,13 @@ export function choice<T extends string>(name: string, legend: string, options: 
   const note = element("p", {class: "soft note"});
   note.hidden = true;
   const reasons = new Map<T, string>();  // why options are disabled
-  const field = element("fieldset", {id: name}, element("legend", {}, legend), element("div", {class: "chips"}, ...chips), note);
+  const field = element(
+    "fieldset",
+    {id: name},
+    element("legend", {}, legend),
+    element("div", {class: "chips"}, ...chips),
+    note,
+  );
   return {
     field,
     value: () => options.find(({value}) => inputs.get(value)!.checked)!.value,
@@ -59,9 +70,26 @@ export interface CutControl {
  */
 export function cutControl(axis: string, keepsAbove: boolean, changed: () => void): CutControl {
   const end = (): string => (above() ? "0" : "1");  // the position that keeps the whole mesh
-  const input = element("input", {type: "range", id: `cut-${axis}`, min: "0", max: "1", step: "0.005"});
+  const input = element("input", {
+    type: "range",
+    id: `cut-${axis}`,
+    min: "0",
+    max: "1",
+    step: "0.005",
+  });
   const output = element("output", {for: input.id}, "off");
-  const flip = element("button", {type: "button", id: `flip-${axis}`, class: "flip", "aria-pressed": "false", "aria-label": `Keep the other side of ${axis}`, title: "Keep the other side"}, "⇄");
+  const flip = element(
+    "button",
+    {
+      type: "button",
+      id: `flip-${axis}`,
+      class: "flip",
+      "aria-pressed": "false",
+      "aria-label": `Keep the other side of ${axis}`,
+      title: "Keep the other side",
+    },
+    "⇄",
+  );
   const pressed = (): boolean => flip.getAttribute("aria-pressed") === "true";
   const above = (): boolean => pressed() !== keepsAbove;
   input.value = end();
@@ -73,7 +101,19 @@ export function cutControl(axis: string, keepsAbove: boolean, changed: () => voi
     changed();
   });
   return {
-    field: element("div", {class: "cut"}, element("label", {for: input.id}, element("span", {class: "visually-hidden"}, "Cut along "), axis), input, output, flip),
+    field: element(
+      "div",
+      {class: "cut"},
+      element(
+        "label",
+        {for: input.id},
+        element("span", {class: "visually-hidden"}, "Cut along "),
+        axis,
+      ),
+      input,
+      output,
+      flip,
+    ),
     share: () => Number(input.value),
     keepsAbove: above,
     setText: (text) => {
@@ -102,7 +142,14 @@ export function levelSlider(changed: () => void): LevelSlider {
   const ticks = element("div", {class: "ticks", "aria-hidden": "true"});
   input.addEventListener("input", changed);
   return {
-    field: element("div", {class: "level"}, element("label", {for: "level"}, "Level"), level, error, element("div", {class: "track"}, input, ticks)),
+    field: element(
+      "div",
+      {class: "level"},
+      element("label", {for: "level"}, "Level"),
+      level,
+      error,
+      element("div", {class: "track"}, input, ticks),
+    ),
     input,
     open: (levels, at) => {
       input.max = `${Math.max(levels - 1, 0)}`;
@@ -110,7 +157,11 @@ export function levelSlider(changed: () => void): LevelSlider {
       input.disabled = levels < 2;
       ticks.replaceChildren(
         ...Array.from({length: levels}, (_, k) => {
-          const tick = element("span", {}, levels <= 12 || k % Math.ceil(levels / 10) === 0 ? `${k}` : "");
+          const tick = element(
+            "span",
+            {},
+            levels <= 12 || k % Math.ceil(levels / 10) === 0 ? `${k}` : "",
+          );
           tick.style.setProperty("--at", `${levels > 1 ? k / (levels - 1) : 0}`);
           return tick;
         }),

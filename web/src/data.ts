@@ -81,7 +81,13 @@ export interface LevelFacts {
   self_intersections?: number | null;
   /** Closed components whose orientation or nesting differs from that on the isosurface. */
   inverted_components?: number | null;
-  certificate?: {passed: boolean; cells_checked: number; arcs_checked: number; triples_checked: number; repair_sites: number} | null;
+  certificate?: {
+    passed: boolean;
+    cells_checked: number;
+    arcs_checked: number;
+    triples_checked: number;
+    repair_sites: number;
+  } | null;
   quality?: {aspect_ratio?: Partial<AspectRatio> | null} | null;
   metrics?: Record<string, Metric | null> | null;
   measured?: {maximum: number; mesh_to_surface?: Sampling; surface_to_mesh?: Sampling} | null;
@@ -107,14 +113,27 @@ export interface Result {
   parameters: Record<string, unknown> | null;
   input: Record<string, unknown> | null;
   surface: Record<string, unknown> | null;
-  reference: ({kinds: Kind[]; components: number; genus: number; boundary_loops: number; euler_characteristic: number} & Record<string, unknown>) | null;
+  reference:
+    | ({
+        kinds: Kind[];
+        components: number;
+        genus: number;
+        boundary_loops: number;
+        euler_characteristic: number;
+      } & Record<string, unknown>)
+    | null;
   /** The kept and the dropped components, if the options drop some. */
   kept?: RankedComponents;
   dropped?: RankedComponents;
   levels: LevelFacts[];
   /** false: a vertex can have different indices in different levels. */
   nested?: boolean;
-  marching_cubes: {triangles: number; histogram: number[]; share_below_third: number; minimum: number} | null;
+  marching_cubes: {
+    triangles: number;
+    histogram: number[];
+    share_below_third: number;
+    minimum: number;
+  } | null;
   geometry: {positions: QuantisedPositions; levels: LevelGeometry[]};
 }
 
@@ -148,7 +167,8 @@ export interface Mesh {
 
 export function readPage(): Page {
   const page = JSON.parse(document.getElementById("isoatlas-data")!.textContent!) as Page;
-  if (page.schema !== "isoatlas-page-2") throw new Error(`its schema is ${String(page.schema)}, expected isoatlas-page-2`);
+  if (page.schema !== "isoatlas-page-2")
+    throw new Error(`its schema is ${String(page.schema)}, expected isoatlas-page-2`);
   if (page.results.length === 0) throw new Error("it has no results");
   return page;
 }
@@ -174,7 +194,12 @@ function slice(source: Uint8Array, {offset, bytes}: Range): Uint8Array {
 
 function gridOf(source: Uint8Array, from: QuantisedPositions): Uint32Array {
   const grid = new Uint32Array(3 * from.count);
-  MeshoptDecoder.decodeVertexBuffer(new Uint8Array(grid.buffer), from.count, 12, slice(source, from));
+  MeshoptDecoder.decodeVertexBuffer(
+    new Uint8Array(grid.buffer),
+    from.count,
+    12,
+    slice(source, from),
+  );
   return grid;
 }
 
@@ -190,11 +215,21 @@ function positionsOf(grid: Uint32Array, from: QuantisedPositions, centre: Triple
 
 function trianglesOf(source: Uint8Array, from: Range & {count: number}): Uint32Array {
   const out = new Uint32Array(3 * from.count);
-  if (from.count > 0) MeshoptDecoder.decodeIndexBuffer(new Uint8Array(out.buffer), out.length, 4, slice(source, from));
+  if (from.count > 0) {
+    MeshoptDecoder.decodeIndexBuffer(
+      new Uint8Array(out.buffer),
+      out.length,
+      4,
+      slice(source, from),
+    );
+  }
   return out;
 }
 
-function boxOf(grid: Uint32Array, {origin, step}: QuantisedPositions): {centre: Triple; half: Triple} {
+function boxOf(
+  grid: Uint32Array,
+  {origin, step}: QuantisedPositions,
+): {centre: Triple; half: Triple} {
   const centre: Triple = [...origin];
   const half: Triple = [0, 0, 0];
   for (let axis = 0; axis < 3 && grid.length > 0; ++axis) {
@@ -226,9 +261,13 @@ export async function readMesh(result: Result): Promise<Mesh> {
     return {
       facts: result.levels[k],
       vertices: level.vertices,
-      positions: level.own_positions ? positionsOf(gridOf(source, level.own_positions), level.own_positions, centre) : shared.subarray(0, 3 * level.vertices),
+      positions: level.own_positions
+        ? positionsOf(gridOf(source, level.own_positions), level.own_positions, centre)
+        : shared.subarray(0, 3 * level.vertices),
       triangles: trianglesOf(source, level.triangles),
-      distance: level.distance ? {steps: slice(source, level.distance), maximum: level.distance.maximum} : null,
+      distance: level.distance
+        ? {steps: slice(source, level.distance), maximum: level.distance.maximum}
+        : null,
     };
   });
   return {levels: read, centre, half, levelOf};

@@ -53,10 +53,15 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
     "wheel",
     (event) => {
       event.preventDefault();
-      const lines = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? event.deltaY : 30 * event.deltaY;
+      const lines =
+        event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? event.deltaY : 30 * event.deltaY;
       const {x, y} = at(event);
       // A pinch on a touchpad is reported as a wheel event with Ctrl, in smaller steps.
-      camera.zoomAt(Math.exp(-Math.min(Math.max(lines, -240), 240) * (event.ctrlKey ? 0.008 : 0.0016)), x, y);
+      camera.zoomAt(
+        Math.exp(-Math.min(Math.max(lines, -240), 240) * (event.ctrlKey ? 0.008 : 0.0016)),
+        x,
+        y,
+      );
     },
     {passive: false},
   );

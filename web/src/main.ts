@@ -22,16 +22,35 @@ const HELP = [
   ["Along an axis", "x, y, z"],
   ["Worst triangle, whole mesh", "w, 0"],
 ];
-const THEME = {clay: "--clay", inside: "--inside", paper: "--paper", paperInside: "--paper-inside", ink: "--edge", section: "--section"};
+const THEME = {
+  clay: "--clay",
+  inside: "--inside",
+  paper: "--paper",
+  paperInside: "--paper-inside",
+  ink: "--edge",
+  section: "--section",
+};
 
 /** A half-filled circle. */
 function halfMoon(): SVGElement {
-  return drawn("svg", {viewBox: "0 0 20 20", width: 20, height: 20, "aria-hidden": "true", class: "icon"}, drawn("circle", {cx: 10, cy: 10, r: 7.25}), drawn("path", {d: "M10 2.75a7.25 7.25 0 0 1 0 14.5z"}));
+  return drawn(
+    "svg",
+    {viewBox: "0 0 20 20", width: 20, height: 20, "aria-hidden": "true", class: "icon"},
+    drawn("circle", {cx: 10, cy: 10, r: 7.25}),
+    drawn("path", {d: "M10 2.75a7.25 7.25 0 0 1 0 14.5z"}),
+  );
 }
 
 class PageView {
   private readonly page = readPage();
-  private readonly canvas = element("canvas", {id: "view", tabindex: "0", role: "application", "aria-roledescription": "3-D view", "aria-label": "Mesh", "aria-describedby": "help"});
+  private readonly canvas = element("canvas", {
+    id: "view",
+    tabindex: "0",
+    role: "application",
+    "aria-roledescription": "3-D view",
+    "aria-label": "Mesh",
+    "aria-describedby": "help",
+  });
   private readonly overlay = new Overlay();
   private readonly legend = element("div", {class: "legend", id: "legend"});
   private readonly status = element("p", {class: "status", id: "status", role: "status"});
@@ -40,13 +59,38 @@ class PageView {
   private readonly facts = element("div", {id: "facts"});
   private readonly madeBy = element("div");
   private readonly which = element("select", {id: "result", "aria-label": "Result"});
-  private readonly theme = element("button", {type: "button", id: "theme", "aria-pressed": "false", "aria-label": "Dark theme", title: "Light or dark"}, halfMoon());
+  private readonly theme = element(
+    "button",
+    {
+      type: "button",
+      id: "theme",
+      "aria-pressed": "false",
+      "aria-label": "Dark theme",
+      title: "Light or dark",
+    },
+    halfMoon(),
+  );
   private readonly level = levelSlider(() => this.update());
-  private readonly style = choice<Style>("style", "Shading", [{value: "smooth", text: "Smooth"}, {value: "split", text: "Both"}, {value: "lines", text: "Hidden line"}], () => this.update());
+  private readonly style = choice<Style>(
+    "style",
+    "Shading",
+    [
+      {value: "smooth", text: "Smooth"},
+      {value: "split", text: "Both"},
+      {value: "lines", text: "Hidden line"},
+    ],
+    () => this.update(),
+  );
   private readonly colouring = choice<Colouring>(
     "colouring",
     "Colour",
-    [{value: "plain", text: "Plain"}, {value: "aspect", text: "Aspect ratio"}, {value: "distance", text: "Distance error"}, {value: "component", text: "Component"}, {value: "level", text: "Level of vertex"}],
+    [
+      {value: "plain", text: "Plain"},
+      {value: "aspect", text: "Aspect ratio"},
+      {value: "distance", text: "Distance error"},
+      {value: "component", text: "Component"},
+      {value: "level", text: "Level of vertex"},
+    ],
     () => this.update(),
   );
   private readonly cuts = AXES.map((axis, i) => cutControl(axis, axis === "y", () => this.cut(i)));
@@ -58,7 +102,8 @@ class PageView {
 
   async start(): Promise<void> {
     this.build();
-    this.head(this.page.results[0]);  // before the canvas gets its size, because resizing waits for the graphics process
+    // Before the canvas gets its size, because resizing waits for the graphics process.
+    this.head(this.page.results[0]);
     this.startScene();
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this.setTheme(dark.matches));
@@ -68,15 +113,31 @@ class PageView {
 
   private build(): void {
     const {results} = this.page;
-    this.which.append(...results.map((result, i) => element("option", {value: `${i}`}, result.title)));
+    this.which.append(
+      ...results.map((result, i) => element("option", {value: `${i}`}, result.title)),
+    );
     this.which.hidden = results.length < 2;
-    this.which.addEventListener("change", () => void this.open(Number(this.which.value)).catch(fail));
-    this.theme.addEventListener("click", () => this.setTheme(document.documentElement.dataset.theme !== "dark"));
+    this.which.addEventListener(
+      "change",
+      () => void this.open(Number(this.which.value)).catch(fail),
+    );
+    this.theme.addEventListener("click", () =>
+      this.setTheme(document.documentElement.dataset.theme !== "dark"),
+    );
     const worst = element("button", {type: "button", id: "worst"}, "Worst triangle");
     worst.addEventListener("click", () => this.showWorst());
     const reset = element("button", {type: "button", id: "reset"}, "Whole mesh");
     reset.addEventListener("click", () => this.reset());
-    const help = element("details", {class: "help"}, element("summary", {}, "Mouse, touch, keyboard"), element("dl", {id: "help"}, ...HELP.flatMap(([what, how]) => [element("dt", {}, what), element("dd", {}, how)])));
+    const help = element(
+      "details",
+      {class: "help"},
+      element("summary", {}, "Mouse, touch, keyboard"),
+      element(
+        "dl",
+        {id: "help"},
+        ...HELP.flatMap(([what, how]) => [element("dt", {}, what), element("dd", {}, how)]),
+      ),
+    );
     document.body.append(
       element(
         "main",
@@ -84,7 +145,13 @@ class PageView {
         element(
           "section",
           {class: "stage", "aria-label": "Mesh"},
-          element("header", {}, element("div", {class: "titles"}, this.title, this.subtitle), this.which, this.theme),
+          element(
+            "header",
+            {},
+            element("div", {class: "titles"}, this.title, this.subtitle),
+            this.which,
+            this.theme,
+          ),
           element("div", {class: "picture"}, this.canvas, this.overlay.svg),
           this.legend,
           this.level.field,
@@ -97,7 +164,12 @@ class PageView {
             {class: "controls", "aria-label": "View"},
             this.style.field,
             this.colouring.field,
-            element("fieldset", {}, element("legend", {}, "Cut"), ...this.cuts.map(({field}) => field)),
+            element(
+              "fieldset",
+              {},
+              element("legend", {}, "Cut"),
+              ...this.cuts.map(({field}) => field),
+            ),
             element("div", {class: "buttons"}, worst, reset),
             this.status,
             help,
@@ -113,7 +185,9 @@ class PageView {
   private startScene(): void {
     const context = contextOf(this.canvas);
     if (!context) {
-      const words = "The mesh cannot be drawn: this browser has no WebGL 2, or it is disabled. The tables contain all facts about the mesh.";
+      const words =
+        "The mesh cannot be drawn: this browser has no WebGL 2, or it is disabled. " +
+        "The tables contain all facts about the mesh.";
       this.canvas.replaceWith(element("p", {class: "missing", role: "alert"}, words));
       this.overlay.svg.remove();
       this.legend.remove();
@@ -125,7 +199,12 @@ class PageView {
     });
     listen(this.canvas, this.scene.camera);
     this.canvas.addEventListener("keydown", (event) => this.key(event));
-    this.canvas.addEventListener("webglcontextlost", () => this.setStatus("The browser has lost access to the graphics card. Wait until it is restored, or reload the page."));
+    this.canvas.addEventListener("webglcontextlost", () =>
+      this.setStatus(
+        "The browser has lost access to the graphics card. " +
+          "Wait until it is restored, or reload the page.",
+      ),
+    );
   }
 
   private async open(index: number): Promise<void> {
@@ -136,8 +215,16 @@ class PageView {
     this.shapes = mesh.levels.map((level) => new LevelShape(level));
     this.head(result);
     this.level.open(mesh.levels.length, mesh.levels.length - 1);
-    this.colouring.enable("distance", mesh.levels.some(({distance}) => distance !== null), "The file has no distance error per vertex.");
-    this.colouring.enable("level", result.nested !== false, "The files do not contain the first level of a vertex.");
+    this.colouring.enable(
+      "distance",
+      mesh.levels.some(({distance}) => distance !== null),
+      "The file has no distance error per vertex.",
+    );
+    this.colouring.enable(
+      "level",
+      result.nested !== false,
+      "The files do not contain the first level of a vertex.",
+    );
     this.overlay.unit = this.lengthUnit();
     this.scene?.show(mesh, this.shapes);
     for (const cut of this.cuts) cut.reset();
@@ -173,13 +260,21 @@ class PageView {
     const genus = level.genus == null ? "" : `, genus ${level.genus}`;
     this.canvas.setAttribute(
       "aria-label",
-      `Mesh of ${this.result.title}, level ${this.shown} of ${last}: ${plural(level.vertices, "vertex", "vertices")}, ${plural(level.triangles, "triangle")}, ${plural(level.components, "component")}${genus}, ${error}`,
+      `Mesh of ${this.result.title}, level ${this.shown} of ${last}: ` +
+        `${plural(level.vertices, "vertex", "vertices")}, ` +
+        `${plural(level.triangles, "triangle")}, ` +
+        `${plural(level.components, "component")}${genus}, ${error}`,
     );
     this.overlay.worst = null;
     this.overlay.split = this.style.value() === "split";
     this.setStatus("");
     if (this.scene) {
-      this.colourLegend = this.scene.update(this.shown, this.style.value(), this.colouring.value(), this.result.unit);
+      this.colourLegend = this.scene.update(
+        this.shown,
+        this.style.value(),
+        this.colouring.value(),
+        this.result.unit,
+      );
       this.updateLegend();
     }
     this.facts.replaceChildren(...facts(this.result, this.shown, this.shapes));
@@ -191,7 +286,9 @@ class PageView {
     const share = control.share();
     this.scene.cut(axis, {share, keep: control.keepsAbove() ? "above" : "below"});
     const at = this.mesh.centre[axis] + (2 * share - 1) * this.mesh.half[axis];
-    control.setText(this.scene.isCut(axis) ? `${control.keepsAbove() ? "≥" : "≤"} ${number(at, 4)}` : "off");
+    control.setText(
+      this.scene.isCut(axis) ? `${control.keepsAbove() ? "≥" : "≤"} ${number(at, 4)}` : "off",
+    );
     this.updateLegend();
   }
 
@@ -202,7 +299,18 @@ class PageView {
     if (legend?.ramp) {
       const bar = element("div", {class: "bar"});
       bar.style.background = `linear-gradient(to right, ${legend.ramp.colours.join(", ")})`;
-      out.push(element("div", {class: "ramp"}, bar, element("div", {class: "ends"}, ...legend.ramp.ticks.map((text) => element("span", {}, text)))));
+      out.push(
+        element(
+          "div",
+          {class: "ramp"},
+          bar,
+          element(
+            "div",
+            {class: "ends"},
+            ...legend.ramp.ticks.map((text) => element("span", {}, text)),
+          ),
+        ),
+      );
     }
     if (legend?.steps) {
       const {colours, shares, ticks} = legend.steps;
@@ -220,7 +328,8 @@ class PageView {
       out.push(element("div", {class: "ramp"}, bar, below));
     }
     const classes = [...(legend?.classes ?? [])];
-    if (this.scene && AXES.some((_, axis) => this.scene!.isCut(axis))) classes.push({colour: "var(--inside)", name: "inside"});
+    if (this.scene && AXES.some((_, axis) => this.scene!.isCut(axis)))
+      classes.push({colour: "var(--inside)", name: "inside"});
     if (classes.length > 0) {
       out.push(element("ul", {class: "classes"}, ...classes.map(({colour, name}) => {
         const swatch = element("span", {class: "swatch"});
@@ -238,7 +347,10 @@ class PageView {
     this.overlay.worst = worst;
     this.scene.centre(worst, this.shown);
     const [x, y, z] = toFile(worst.centroid, this.mesh.centre).map((v) => number(v, 5));
-    this.setStatus(`The worst triangle of level ${this.shown} has aspect ratio ${number(worst.ratio)}, at (${x}, ${y}, ${z}).`);
+    this.setStatus(
+      `The worst triangle of level ${this.shown} has aspect ratio ${number(worst.ratio)}, ` +
+        `at (${x}, ${y}, ${z}).`,
+    );
   }
 
   private reset(): void {
@@ -256,7 +368,14 @@ class PageView {
     document.documentElement.dataset.theme = dark ? "dark" : "light";
     this.theme.setAttribute("aria-pressed", `${dark}`);
     const style = getComputedStyle(document.documentElement);
-    this.scene?.theme(Object.fromEntries(Object.entries(THEME).map(([name, property]) => [name, style.getPropertyValue(property).trim()])));
+    this.scene?.theme(
+      Object.fromEntries(
+        Object.entries(THEME).map(([name, property]) => [
+          name,
+          style.getPropertyValue(property).trim(),
+        ]),
+      ),
+    );
   }
 
   private step(by: number): void {
@@ -269,7 +388,8 @@ class PageView {
   private key(event: KeyboardEvent): void {
     if (!this.scene || event.ctrlKey || event.metaKey || event.altKey) return;
     const {camera} = this.scene;
-    const arrow = (right: number, down: number) => (): void => (event.shiftKey ? camera.pan(30 * right, 30 * down) : camera.rotate(24 * right, 24 * down));
+    const arrow = (right: number, down: number) => (): void =>
+      event.shiftKey ? camera.pan(30 * right, 30 * down) : camera.rotate(24 * right, 24 * down);
     const actions: Record<string, () => void> = {
       ArrowLeft: arrow(-1, 0),
       ArrowRight: arrow(1, 0),
@@ -295,36 +415,54 @@ class PageView {
 
   /** The shown state, read-only, for scripts and tests. */
   readonly api = Object.freeze(
-    Object.defineProperties({}, Object.fromEntries(
-      Object.entries({
-        result: () => this.page.results.indexOf(this.result),
-        level: () => this.shown,
-        style: () => this.style.value(),
-        colouring: () => this.colouring.value(),
-        moving: () => this.scene?.camera.moving ?? false,
-        frames: () => this.scene?.frames ?? 0,
-        zoom: () => this.scene?.camera.pose.zoom ?? 1,
-        centre: () => this.mesh.centre,
-        components: () => this.shapes[this.shown].components().list,
-        /** The worst triangle of the shown level. */
-        worst: () => {
-          const worst = this.shapes[this.shown].worst();
-          return worst && {triangle: worst.triangle, ratio: worst.ratio, centroid: toFile(worst.centroid, this.mesh.centre)};
-        },
-        /** The position of a point of the file in the picture, in pixels from the upper left. */
-        project: () => (point: Triple) => this.scene?.camera.project(new Vector3(...(point.map((v, axis) => v - this.mesh.centre[axis]) as Triple))),
-        /** The picture as a data URL. */
-        picture: () => () => {
-          this.scene?.render();
-          return this.canvas.toDataURL();
-        },
-      }).map(([name, get]) => [name, {get, enumerable: true}]),
-    )),
+    Object.defineProperties(
+      {},
+      Object.fromEntries(
+        Object.entries({
+          result: () => this.page.results.indexOf(this.result),
+          level: () => this.shown,
+          style: () => this.style.value(),
+          colouring: () => this.colouring.value(),
+          moving: () => this.scene?.camera.moving ?? false,
+          frames: () => this.scene?.frames ?? 0,
+          zoom: () => this.scene?.camera.pose.zoom ?? 1,
+          centre: () => this.mesh.centre,
+          components: () => this.shapes[this.shown].components().list,
+          /** The worst triangle of the shown level. */
+          worst: () => {
+            const worst = this.shapes[this.shown].worst();
+            return (
+              worst && {
+                triangle: worst.triangle,
+                ratio: worst.ratio,
+                centroid: toFile(worst.centroid, this.mesh.centre),
+              }
+            );
+          },
+          /** The position of a point of the file in the picture, in pixels from the upper left. */
+          project: () => (point: Triple) =>
+            this.scene?.camera.project(
+              new Vector3(...(point.map((v, axis) => v - this.mesh.centre[axis]) as Triple)),
+            ),
+          /** The picture as a data URL. */
+          picture: () => () => {
+            this.scene?.render();
+            return this.canvas.toDataURL();
+          },
+        }).map(([name, get]) => [name, {get, enumerable: true}]),
+      ),
+    ),
   );
 }
 
 function fail(reason: unknown): void {
-  document.body.append(element("p", {class: "missing bad", role: "alert"}, `This page cannot be shown: ${reason instanceof Error ? reason.message : String(reason)}.`));
+  document.body.append(
+    element(
+      "p",
+      {class: "missing bad", role: "alert"},
+      `This page cannot be shown: ${reason instanceof Error ? reason.message : String(reason)}.`,
+    ),
+  );
 }
 
 try {

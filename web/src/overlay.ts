@@ -6,7 +6,10 @@ import type {Camera} from "./camera";
 import {drawn, number} from "./dom";
 import type {Worst} from "./scene";
 
-const AXES = ["x", "y", "z"].map((name, i) => ({name, direction: new Vector3().setComponent(i, 1)}));
+const AXES = ["x", "y", "z"].map((name, i) => ({
+  name,
+  direction: new Vector3().setComponent(i, 1),
+}));
 
 export class Overlay {
   readonly svg = drawn("svg", {class: "overlay", "aria-hidden": "true"});
@@ -26,7 +29,8 @@ export class Overlay {
 
   update(camera: Camera, width: number, height: number): void {
     this.divider.setAttribute("visibility", this.split ? "visible" : "hidden");
-    for (const [name, value] of [["x1", width / 2], ["x2", width / 2], ["y1", 0], ["y2", height]] as const) this.divider.setAttribute(name, `${value}`);
+    const ends = [["x1", width / 2], ["x2", width / 2], ["y1", 0], ["y2", height]] as const;
+    for (const [name, value] of ends) this.divider.setAttribute(name, `${value}`);
     this.showWorst(camera);
     this.showAxes(camera, width, height);
     this.showScale(camera, width, height);
@@ -38,20 +42,43 @@ export class Overlay {
     const [x, y] = camera.project(this.worst.centroid);
     const points = this.worst.corners.map((corner) => camera.project(corner));
     const size = Math.max(...points.map(([px, py]) => Math.hypot(px - x, py - y)));
-    this.mark.append(drawn("polygon", {points: points.map(([px, py]) => `${px.toFixed(1)},${py.toFixed(1)}`).join(" ")}));
-    this.mark.append(drawn("circle", {cx: x.toFixed(1), cy: y.toFixed(1), r: (size + 16).toFixed(1)}));
+    this.mark.append(
+      drawn("polygon", {
+        points: points.map(([px, py]) => `${px.toFixed(1)},${py.toFixed(1)}`).join(" "),
+      }),
+    );
+    this.mark.append(
+      drawn("circle", {cx: x.toFixed(1), cy: y.toFixed(1), r: (size + 16).toFixed(1)}),
+    );
   }
 
   private showAxes(camera: Camera, width: number, height: number): void {
     const back = new Quaternion().copy(camera.pose.rotation).invert();
     const [x, y, long] = [width - 46, height - 64, 24];
-    const seen = AXES.map(({name, direction}) => ({name, at: direction.clone().applyQuaternion(back)})).sort((a, b) => a.at.z - b.at.z);
+    const seen = AXES.map(({name, direction}) => ({
+      name,
+      at: direction.clone().applyQuaternion(back),
+    })).sort((a, b) => a.at.z - b.at.z);
     this.axes.replaceChildren(
       ...seen.flatMap(({name, at}) => {
         const fade = at.z < -0.1 ? 0.65 : 1;
         return [
-          drawn("line", {x1: x, y1: y, x2: (x + long * at.x).toFixed(1), y2: (y - long * at.y).toFixed(1), opacity: fade}),
-          drawn("text", {x: (x + (long + 9) * at.x).toFixed(1), y: (y - (long + 9) * at.y + 4).toFixed(1), "text-anchor": "middle"}, name),
+          drawn("line", {
+            x1: x,
+            y1: y,
+            x2: (x + long * at.x).toFixed(1),
+            y2: (y - long * at.y).toFixed(1),
+            opacity: fade,
+          }),
+          drawn(
+            "text",
+            {
+              x: (x + (long + 9) * at.x).toFixed(1),
+              y: (y - (long + 9) * at.y + 4).toFixed(1),
+              "text-anchor": "middle",
+            },
+            name,
+          ),
         ];
       }),
     );
@@ -62,7 +89,10 @@ export class Overlay {
     const power = 10 ** Math.floor(Math.log10(most));
     const length = [5, 2, 1].map((step) => step * power).find((step) => step <= most) ?? power;
     const [right, y, pixels] = [width - 16, height - 14, length * camera.scale];
-    this.bar.setAttribute("d", `M${(right - pixels).toFixed(1)},${y - 4}v4h${pixels.toFixed(1)}v-4`);
+    this.bar.setAttribute(
+      "d",
+      `M${(right - pixels).toFixed(1)},${y - 4}v4h${pixels.toFixed(1)}v-4`,
+    );
     this.length.setAttribute("x", `${right}`);
     this.length.setAttribute("y", `${y - 8}`);
     this.length.textContent = `${number(length)} ${this.unit}`;

@@ -1,12 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 // The 3-D scene: the level, its style, colours and cuts. It is drawn only when something changes.
-import {BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, GLSL3, Mesh as Solid, RawShaderMaterial, Scene as World, Vector3, WebGLRenderer} from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DataTexture,
+  DoubleSide,
+  GLSL3,
+  Mesh as Solid,
+  RawShaderMaterial,
+  Scene as World,
+  Vector3,
+  WebGLRenderer,
+} from "three";
 
 import {Camera, rotationFrom} from "./camera";
 import {colour, type Colouring, type Colours, type Legend} from "./colours";
 import type {AspectRatio, Level, Mesh, Triple} from "./data";
 import {FRAGMENT, VERTEX} from "./shaders";
-import {aspectFacts, aspectRatios, components, enclosedVolume, isHidden, vertexNormals, type Components} from "./shape";
+import {
+  aspectFacts,
+  aspectRatios,
+  components,
+  enclosedVolume,
+  isHidden,
+  vertexNormals,
+  type Components,
+} from "./shape";
 
 export type Style = "smooth" | "split" | "lines";
 
@@ -33,19 +53,24 @@ export class LevelShape {
 
   constructor(readonly level: Level) {}
 
-  readonly ratios = (): Float32Array => (this.knownRatios ??= aspectRatios(this.level.positions, this.level.triangles));
-  readonly components = (): Components => (this.knownComponents ??= components(this.level.vertices, this.level.triangles));
+  readonly ratios = (): Float32Array =>
+    (this.knownRatios ??= aspectRatios(this.level.positions, this.level.triangles));
+  readonly components = (): Components =>
+    (this.knownComponents ??= components(this.level.vertices, this.level.triangles));
 
   aspect(): AspectRatio {
     const stated = this.level.facts.quality?.aspect_ratio;
-    if (stated?.histogram && stated.minimum !== undefined && stated.share_below_third !== undefined) return stated as AspectRatio;
+    if (stated?.histogram && stated.minimum !== undefined && stated.share_below_third !== undefined)
+      return stated as AspectRatio;
     return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...stated});
   }
 
   isClosed(): boolean {
     const {manifold, boundary_loops: loops} = this.level.facts;
     if (manifold === false) return false;
-    return loops == null ? this.components().list.every((component) => component.boundaryLoops === 0) : loops === 0;
+    return loops == null
+      ? this.components().list.every((component) => component.boundaryLoops === 0)
+      : loops === 0;
   }
 
   worst(): Worst | null {
@@ -54,7 +79,8 @@ export class LevelShape {
     if (ratios.length === 0) return null;
     let triangle = 0;
     for (let t = 1; t < ratios.length; ++t) if (ratios[t] < ratios[triangle]) triangle = t;
-    const corner = (k: number): Vector3 => new Vector3().fromArray(positions, 3 * triangles[3 * triangle + k]);
+    const corner = (k: number): Vector3 =>
+      new Vector3().fromArray(positions, 3 * triangles[3 * triangle + k]);
     const corners: Worst["corners"] = [corner(0), corner(1), corner(2)];
     const centroid = corners[0].clone().add(corners[1]).add(corners[2]).divideScalar(3);
     return {triangle, ratio: ratios[triangle], corners, centroid};
@@ -72,7 +98,11 @@ const MODES = {plain: 0, blend: 1, nearest: 2};
 
 export class Scene {
   readonly camera: Camera;
-  readonly cuts: [Cut, Cut, Cut] = [{share: 1, keep: "below"}, {share: 1, keep: "below"}, {share: 1, keep: "below"}];
+  readonly cuts: [Cut, Cut, Cut] = [
+    {share: 1, keep: "below"},
+    {share: 1, keep: "below"},
+    {share: 1, keep: "below"},
+  ];
   frames = 0;
   private readonly renderer: WebGLRenderer;
   private readonly world = new World();
@@ -88,9 +118,14 @@ export class Scene {
   private isDrawPending = false;
 
   /** @param context WebGL 2 of the canvas; @param drew called after each frame */
-  constructor(private readonly canvas: HTMLCanvasElement, context: WebGL2RenderingContext, private readonly drew: () => void) {
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    context: WebGL2RenderingContext,
+    private readonly drew: () => void,
+  ) {
     this.renderer = new WebGLRenderer({canvas, context, alpha: true, antialias: true});
-    this.renderer.debug.checkShaderErrors = false;  // checks wait for the graphics process; the tests compare pictures
+    // Checks wait for the graphics process; the tests compare pictures.
+    this.renderer.debug.checkShaderErrors = false;
     this.renderer.setClearColor(0x000000, 0);  // the background is that of the page
     const colourNames = ["clay", "inside", "paper", "paperInside", "ink", "section"];
     this.material = new RawShaderMaterial({
@@ -138,10 +173,17 @@ export class Scene {
     this.style = style;
     const prepared = (this.prepared[level] ??= this.prepare(level));
     if (prepared.colouring !== colouring) {
-      prepared.colours = colour(colouring, this.mesh, this.mesh.levels[level], this.shapes[level], unit);
+      prepared.colours = colour(
+        colouring,
+        this.mesh,
+        this.mesh.levels[level],
+        this.shapes[level],
+        unit,
+      );
       prepared.colouring = colouring;
       const {values} = prepared.colours;
-      if (values) prepared.geometry.setAttribute("corners", new BufferAttribute(perCorner(values), 4, true));
+      if (values)
+        prepared.geometry.setAttribute("corners", new BufferAttribute(perCorner(values), 4, true));
     }
     const {mode, palette, legend} = prepared.colours!;
     this.material.uniforms.mode.value = MODES[mode];
@@ -192,14 +234,22 @@ export class Scene {
     search: for (const tilt of [0.15, 0.5, 0.85, 1.15, Math.PI - 0.5, Math.PI - 1]) {
       for (let k = 0; k < 8; ++k) {
         const angle = (k * Math.PI) / 4;
-        const tried = normal.clone().multiplyScalar(Math.cos(tilt))
-          .addScaledVector(side, Math.sin(tilt) * Math.cos(angle)).addScaledVector(other, Math.sin(tilt) * Math.sin(angle));
-        if (isHidden(positions, triangles, worst.triangle, centroid.toArray(), tried.toArray(), 1e-4 * size)) continue;
+        const tried = normal
+          .clone()
+          .multiplyScalar(Math.cos(tilt))
+          .addScaledVector(side, Math.sin(tilt) * Math.cos(angle))
+          .addScaledVector(other, Math.sin(tilt) * Math.sin(angle));
+        const [at, along] = [centroid.toArray(), tried.toArray()];
+        if (isHidden(positions, triangles, worst.triangle, at, along, 1e-4 * size)) continue;
         from = tried;
         break search;
       }
     }
-    this.camera.glide({target: centroid, rotation: rotationFrom(from), zoom: Math.max(this.camera.zoomFor(size, 130), 1)});
+    this.camera.glide({
+      target: centroid,
+      rotation: rotationFrom(from),
+      zoom: Math.max(this.camera.zoomFor(size, 130), 1),
+    });
   }
 
   /** Draws now. The picture can be read from the canvas until the next task. */
@@ -209,12 +259,19 @@ export class Scene {
     for (let axis = 0; axis < 3; ++axis) {
       const {share, keep} = this.cuts[axis];
       (uniforms.cutAt.value as Vector3).setComponent(axis, (2 * share - 1) * half[axis]);
-      (uniforms.cutSide.value as Vector3).setComponent(axis, this.isCut(axis) ? (keep === "below" ? 1 : -1) : 0);
+      (uniforms.cutSide.value as Vector3).setComponent(
+        axis,
+        this.isCut(axis) ? (keep === "below" ? 1 : -1) : 0,
+      );
     }
     uniforms.solid.value = this.closed && ![0, 1, 2].some((axis) => this.isCut(axis));
     const ratio = pixelRatio();
     uniforms.pixelRatio.value = ratio;
-    uniforms.linesFrom.value = {smooth: 1e9, split: Math.round((this.canvas.clientWidth / 2) * ratio), lines: -1}[this.style];
+    uniforms.linesFrom.value = {
+      smooth: 1e9,
+      split: Math.round((this.canvas.clientWidth / 2) * ratio),
+      lines: -1,
+    }[this.style];
     this.renderer.render(this.world, this.camera.three);
     ++this.frames;
     this.drew();
@@ -236,13 +293,20 @@ export class Scene {
     const cornerNormals = new Int16Array(4 * triangles.length);
     for (let i = 0; i < triangles.length; ++i) {
       const v = 3 * triangles[i];
-      cornerPositions[3 * i] = positions[v], cornerPositions[3 * i + 1] = positions[v + 1], cornerPositions[3 * i + 2] = positions[v + 2];
-      cornerNormals[4 * i] = 32767 * normals[v], cornerNormals[4 * i + 1] = 32767 * normals[v + 1], cornerNormals[4 * i + 2] = 32767 * normals[v + 2];
+      cornerPositions[3 * i] = positions[v];
+      cornerPositions[3 * i + 1] = positions[v + 1];
+      cornerPositions[3 * i + 2] = positions[v + 2];
+      cornerNormals[4 * i] = 32767 * normals[v];
+      cornerNormals[4 * i + 1] = 32767 * normals[v + 1];
+      cornerNormals[4 * i + 2] = 32767 * normals[v + 2];
     }
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(cornerPositions, 3));
     geometry.setAttribute("normal", new BufferAttribute(cornerNormals, 4, true));
-    geometry.setAttribute("corners", new BufferAttribute(new Uint8Array(4 * triangles.length), 4, true));
+    geometry.setAttribute(
+      "corners",
+      new BufferAttribute(new Uint8Array(4 * triangles.length), 4, true),
+    );
     return {geometry, colouring: null, colours: null};
   }
 
@@ -251,7 +315,8 @@ export class Scene {
     if (width === 0 || height === 0) return;
     const [wide, high] = pixelsOf(this.canvas);
     // Setting the size, even the same one, clears the canvas and waits for the graphics process.
-    if (this.canvas.width !== wide || this.canvas.height !== high) this.renderer.setSize(wide, high, false);
+    if (this.canvas.width !== wide || this.canvas.height !== high)
+      this.renderer.setSize(wide, high, false);
     this.camera.resize(width, height);
     if (this.mesh) this.render();  // in this frame, because resizing has cleared the canvas
   }
@@ -259,12 +324,20 @@ export class Scene {
 
 const pixelRatio = (): number => Math.min(devicePixelRatio, 2);
 
-const pixelsOf = (canvas: HTMLCanvasElement): [number, number] => [Math.round(canvas.clientWidth * pixelRatio()), Math.round(canvas.clientHeight * pixelRatio())];
+const pixelsOf = (canvas: HTMLCanvasElement): [number, number] => [
+  Math.round(canvas.clientWidth * pixelRatio()),
+  Math.round(canvas.clientHeight * pixelRatio()),
+];
 
 /** A WebGL 2 context for a canvas at its size in the page; null if WebGL 2 is not available. */
 export function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext | null {
   [canvas.width, canvas.height] = pixelsOf(canvas);
-  return canvas.getContext("webgl2", {alpha: true, antialias: true, depth: true, premultipliedAlpha: true});
+  return canvas.getContext("webgl2", {
+    alpha: true,
+    antialias: true,
+    depth: true,
+    premultipliedAlpha: true,
+  });
 }
 
 /** Copies the three bytes of each triangle to each of its corners. */

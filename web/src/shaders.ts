@@ -36,7 +36,7 @@ uniform vec3 cutAt;
 uniform vec3 cutSide;        // 1: keep the side below; -1: keep the side above; 0: not cut
 uniform bool facesInward;    // the mesh as a whole faces inward
 uniform bool solid;          // closed and not cut: the inside is not visible
-uniform float linesFrom;     // lines are drawn right of this pixel; left of it the surface is shaded
+uniform float linesFrom;     // lines are drawn right of this pixel; left of it, shaded surface
 uniform float pixelRatio;
 uniform vec3 clay, inside, paper, paperInside, ink, section;
 out vec4 result;
@@ -82,13 +82,16 @@ void main() {
     // area and the height, so that it is the same in both triangles.
     vec3 slope = sqrt(across * across + along * along);
     vec3 length = slope / max(abs(across.x * along.y - across.y * along.x), 1e-9);
-    vec3 near = 1.0 - smoothstep(0.2 * pixelRatio, 0.2 * pixelRatio + 0.7, vWeight / max(slope, vec3(1e-9)));
+    vec3 toSides = vWeight / max(slope, vec3(1e-9));
+    vec3 near = 1.0 - smoothstep(0.2 * pixelRatio, 0.2 * pixelRatio + 0.7, toSides);
     near *= mix(vec3(0.3), vec3(front ? 1.0 : 0.5), smoothstep(2.0, 16.0, length / pixelRatio));
-    vec3 drawnWith = mode == 0 || !front ? ink : vec3(0.12, 0.14, 0.16);  // the colour scales are light in both themes
+    // The colour scales are light in both themes.
+    vec3 drawnWith = mode == 0 || !front ? ink : vec3(0.12, 0.14, 0.16);
     colour = mix(colour, drawnWith, max(near.x, max(near.y, near.z)));
   } else {
     vec3 n = normalize((solid ? !facesInward : gl_FrontFacing) ? vNormal : -vNormal);
-    if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));  // an interpolated normal may point away from the viewer where the surface does not
+    // An interpolated normal may point away from the viewer where the surface does not.
+    if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));
     colour = shaded(colour, n);
   }
   // The line of the cut.

@@ -32,7 +32,11 @@ export function aspectFacts(ratios: Float32Array): AspectRatio {
     ++histogram[Math.min(Math.floor(ratio * 20), 19)];
     if (ratio < 1 / 3) ++below;
   }
-  return {minimum: ratios.reduce((least, ratio) => Math.min(least, ratio), 1), share_below_third: below / (ratios.length || 1), histogram};
+  return {
+    minimum: ratios.reduce((least, ratio) => Math.min(least, ratio), 1),
+    share_below_third: below / (ratios.length || 1),
+    histogram,
+  };
 }
 
 export interface Component {
@@ -86,7 +90,19 @@ export function components(vertices: number, triangles: Uint32Array): Components
   const countOf = (v: number): Count => {
     const r = root(v);
     let count = byRoot.get(r);
-    if (!count) byRoot.set(r, (count = {root: r, vertices: 0, triangles: 0, boundaryEdges: 0, genus: 0, boundaryLoops: 0}));
+    if (!count) {
+      byRoot.set(
+        r,
+        (count = {
+          root: r,
+          vertices: 0,
+          triangles: 0,
+          boundaryEdges: 0,
+          genus: 0,
+          boundaryLoops: 0,
+        }),
+      );
+    }
     return count;
   };
   for (let i = 0; i < triangles.length; i += 3) ++countOf(triangles[i]).triangles;
@@ -105,13 +121,15 @@ export function components(vertices: number, triangles: Uint32Array): Components
   for (const first of next.keys()) {
     if (seen.has(first)) continue;
     ++countOf(first).boundaryLoops;
-    for (let v: number | undefined = first; v !== undefined && !seen.has(v); v = next.get(v)) seen.add(v);
+    for (let v: number | undefined = first; v !== undefined && !seen.has(v); v = next.get(v))
+      seen.add(v);
   }
   const list = [...byRoot.values()].sort((a, b) => b.triangles - a.triangles || a.root - b.root);
   const rank = new Uint32Array(vertices);
   list.forEach((count, i) => {
     rank[count.root] = i;
-    const euler = count.vertices - (3 * count.triangles + count.boundaryEdges) / 2 + count.triangles;
+    const euler =
+      count.vertices - (3 * count.triangles + count.boundaryEdges) / 2 + count.triangles;
     count.genus = (2 - euler - count.boundaryLoops) / 2;
   });
   return {of: Uint32Array.from({length: vertices}, (_, v) => rank[root(v)]), list};
@@ -139,7 +157,8 @@ export function vertexNormals(positions: Float32Array, triangles: Uint32Array): 
     out[c] += (atC * x) / area, out[c + 1] += (atC * y) / area, out[c + 2] += (atC * z) / area;
   }
   for (let i = 0; i < out.length; i += 3) {
-    const length = Math.sqrt(out[i] * out[i] + out[i + 1] * out[i + 1] + out[i + 2] * out[i + 2]) || 1;
+    const length =
+      Math.sqrt(out[i] * out[i] + out[i + 1] * out[i + 1] + out[i + 2] * out[i + 2]) || 1;
     out[i] /= length;
     out[i + 1] /= length;
     out[i + 2] /= length;
@@ -155,13 +174,23 @@ export function enclosedVolume(positions: Float32Array, triangles: Uint32Array):
     const a = 3 * triangles[i];
     const b = 3 * triangles[i + 1];
     const c = 3 * triangles[i + 2];
-    sum += p[a] * (p[b + 1] * p[c + 2] - p[b + 2] * p[c + 1]) + p[a + 1] * (p[b + 2] * p[c] - p[b] * p[c + 2]) + p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
+    sum +=
+      p[a] * (p[b + 1] * p[c + 2] - p[b + 2] * p[c + 1]) +
+      p[a + 1] * (p[b + 2] * p[c] - p[b] * p[c + 2]) +
+      p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
   }
   return sum / 6;
 }
 
 /** Whether the ray from `from` along `along` hits a triangle other than `own` beyond `least`. */
-export function isHidden(positions: Float32Array, triangles: Uint32Array, own: number, from: ArrayLike<number>, along: ArrayLike<number>, least: number): boolean {
+export function isHidden(
+  positions: Float32Array,
+  triangles: Uint32Array,
+  own: number,
+  from: ArrayLike<number>,
+  along: ArrayLike<number>,
+  least: number,
+): boolean {
   const p = positions;
   const [ox, oy, oz] = [from[0], from[1], from[2]];
   const [dx, dy, dz] = [along[0], along[1], along[2]];

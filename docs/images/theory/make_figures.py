@@ -3,10 +3,11 @@
 """Draws the SVG figures of docs/theory and docs/architecture.md into the folder of this file.
 
     docs/images/theory/make_figures.py           # write all figures
-    docs/images/theory/make_figures.py --check   # exit status 1 if a file differs from what would be written
+    docs/images/theory/make_figures.py --check   # exit status 1 if a figure is not up to date
 
 Needs only the standard library. The same script writes the same bytes.
 """
+
 import heapq
 import math
 import pathlib
@@ -22,9 +23,13 @@ class Drawing:
     """An SVG with a white background. Coordinates are pixels, y downwards."""
 
     def __init__(self, width, height, title):
-        self.parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-                      'font-family="Helvetica, Arial, sans-serif" font-size="14">', f"<title>{title}</title>",
-                      f'<rect width="{width}" height="{height}" fill="#ffffff"/>']
+        self.parts = [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
+            f'width="{width}" height="{height}" '
+            'font-family="Helvetica, Arial, sans-serif" font-size="14">',
+            f"<title>{title}</title>",
+            f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
+        ]
 
     @staticmethod
     def number(x):
@@ -35,36 +40,58 @@ class Drawing:
 
     def polygon(self, points, fill="none", stroke="none", width=1.5, opacity=1.0, dash=""):
         dashes = f' stroke-dasharray="{dash}"' if dash else ""
-        self.parts.append(f'<polygon points="{self.points(points)}" fill="{fill}" fill-opacity="{opacity:g}" stroke="{stroke}" '
-                          f'stroke-width="{width:g}" stroke-linejoin="round"{dashes}/>')
+        self.parts.append(
+            f'<polygon points="{self.points(points)}" fill="{fill}" fill-opacity="{opacity:g}" '
+            f'stroke="{stroke}" stroke-width="{width:g}" stroke-linejoin="round"{dashes}/>'
+        )
 
     def pieces(self, polygons, fill):
-        path = "".join("M" + "L".join(f"{self.number(x)} {self.number(y)}" for x, y in points) + "Z" for points in polygons)
+        path = "".join(
+            "M" + "L".join(f"{self.number(x)} {self.number(y)}" for x, y in points) + "Z"
+            for points in polygons
+        )
         self.parts.append(f'<path d="{path}" fill="{fill}" stroke="{fill}" stroke-width="0.6"/>')
 
     def line(self, points, stroke=INK, width=1.5, dash="", arrow=False):
         dashes = f' stroke-dasharray="{dash}"' if dash else ""
-        self.parts.append(f'<polyline points="{self.points(points)}" fill="none" stroke="{stroke}" stroke-width="{width:g}" '
-                          f'stroke-linejoin="round" stroke-linecap="round"{dashes}/>')
+        self.parts.append(
+            f'<polyline points="{self.points(points)}" fill="none" stroke="{stroke}" '
+            f'stroke-width="{width:g}" stroke-linejoin="round" stroke-linecap="round"{dashes}/>'
+        )
         if arrow:
             (x0, y0), (x1, y1) = points[-2:]
             length = math.hypot(x1 - x0, y1 - y0)
             u, v = (x1 - x0) / length, (y1 - y0) / length
-            self.polygon([(x1, y1), (x1 - 9 * u + 4 * v, y1 - 9 * v - 4 * u), (x1 - 9 * u - 4 * v, y1 - 9 * v + 4 * u)], stroke)
+            self.polygon(
+                [
+                    (x1, y1),
+                    (x1 - 9 * u + 4 * v, y1 - 9 * v - 4 * u),
+                    (x1 - 9 * u - 4 * v, y1 - 9 * v + 4 * u),
+                ],
+                stroke,
+            )
 
     def dot(self, at, radius=4.0, fill=INK, stroke="none", width=1.5):
-        self.parts.append(f'<circle cx="{self.number(at[0])}" cy="{self.number(at[1])}" r="{radius:g}" fill="{fill}" stroke="{stroke}" '
-                          f'stroke-width="{width:g}"/>')
+        self.parts.append(
+            f'<circle cx="{self.number(at[0])}" cy="{self.number(at[1])}" r="{radius:g}" '
+            f'fill="{fill}" stroke="{stroke}" stroke-width="{width:g}"/>'
+        )
 
     def text(self, at, words, anchor="start", fill=INK, size=14, weight="normal", family=""):
         words = words.replace("&", "&amp;").replace("<", "&lt;")
         font = f' font-family="{family}"' if family else ""
-        self.parts.append(f'<text x="{self.number(at[0])}" y="{self.number(at[1])}" text-anchor="{anchor}" fill="{fill}" '
-                          f'font-size="{size:g}" font-weight="{weight}"{font}>{words}</text>')
+        self.parts.append(
+            f'<text x="{self.number(at[0])}" y="{self.number(at[1])}" '
+            f'text-anchor="{anchor}" fill="{fill}" '
+            f'font-size="{size:g}" font-weight="{weight}"{font}>{words}</text>'
+        )
 
     def box(self, x, y, width, height, fill, stroke=GREY):
-        self.parts.append(f'<rect x="{self.number(x)}" y="{self.number(y)}" width="{self.number(width)}" height="{self.number(height)}" '
-                          f'rx="6" fill="{fill}" stroke="{stroke}" stroke-width="1.2"/>')
+        self.parts.append(
+            f'<rect x="{self.number(x)}" y="{self.number(y)}" '
+            f'width="{self.number(width)}" height="{self.number(height)}" '
+            f'rx="6" fill="{fill}" stroke="{stroke}" stroke-width="1.2"/>'
+        )
 
     def svg(self):
         return "\n".join(self.parts + ["</svg>"]) + "\n"
@@ -84,7 +111,11 @@ def draw_cell(d, to, low=(0, 0, 0), front=INK, back=PALE):
                 continue
             b = tuple(1 if i == axis else a[i] for i in range(3))
             hidden = (0, 1, 0) in (a, b)
-            d.line([to(*(p + q for p, q in zip(low, a))), to(*(p + q for p, q in zip(low, b)))], back if hidden else front, 1.2)
+            d.line(
+                [to(*(p + q for p, q in zip(low, a))), to(*(p + q for p, q in zip(low, b)))],
+                back if hidden else front,
+                1.2,
+            )
 
 
 def mean(points):
@@ -118,7 +149,11 @@ def surfel():
     to = oblique((400, 255), 110)
     for low in ((0, 1, 0), (1, 1, 0), (0, 0, 0), (1, 0, 0)):
         draw_cell(d, to, low, PALE, PALE)
-    for loop in ([(0, 0, 0), (2, 0, 0), (2, 0, 1), (0, 0, 1)], [(0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)], [(2, 0, 0), (2, 2, 0), (2, 2, 1), (2, 0, 1)]):
+    for loop in (
+        [(0, 0, 0), (2, 0, 0), (2, 0, 1), (0, 0, 1)],
+        [(0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)],
+        [(2, 0, 0), (2, 2, 0), (2, 2, 1), (2, 0, 1)],
+    ):
         d.polygon([to(*p) for p in loop], "none", GREY, 1.2)
     corners = [(0.5, 0.5, 0.42), (1.5, 0.5, 0.50), (1.5, 1.5, 0.66), (0.5, 1.5, 0.58)]
     d.polygon([to(*c) for c in corners], FILLS[0], BLUE, 2, 0.85)
@@ -150,7 +185,9 @@ def fan():
                 d.line([node, c], BLUE, 2)
         else:
             d.line([corners[0], corners[2]], BLUE, 1.2, "5 4")
-        d.dot(node, 6 if is_fan else 5, BLUE if is_fan else ORANGE, ORANGE if is_fan else "none", 2.5)
+        d.dot(
+            node, 6 if is_fan else 5, BLUE if is_fan else ORANGE, ORANGE if is_fan else "none", 2.5
+        )
         for c in corners:
             d.dot(c, 5.5, BLUE)
     d.text((150, 150), "node", fill=ORANGE)
@@ -171,9 +208,16 @@ def pseudo_random(seed):
 
 
 def voronoi(columns, rows, sites):
-    """Positions of a jittered grid of quads, and per vertex the nearest site by paths along sides and diagonals."""
+    """Positions of a jittered grid of quads, and per vertex the nearest site.
+
+    Distances are those of paths along sides and diagonals.
+    """
     noise = pseudo_random(7)
-    at = {(i, j): (i + 0.42 * (next(noise) - 0.5), j + 0.42 * (next(noise) - 0.5)) for j in range(rows) for i in range(columns)}
+    at = {
+        (i, j): (i + 0.42 * (next(noise) - 0.5), j + 0.42 * (next(noise) - 0.5))
+        for j in range(rows)
+        for i in range(columns)
+    }
     best = {}
     queue = [(0.0, k, s) for k, s in enumerate(sites)]
     heapq.heapify(queue)
@@ -198,13 +242,22 @@ def dual():
     for panel, title in enumerate(("surface complex and sites", "Voronoi cells", "dual mesh")):
         x0, y0 = 24 + 262 * panel, 30
         to = lambda p: (x0 + scale * (p[0] + 0.2), y0 + scale * (p[1] + 0.2))
-        quads = [[(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)] for j in range(rows - 1) for i in range(columns - 1)]
+        quads = [
+            [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+            for j in range(rows - 1)
+            for i in range(columns - 1)
+        ]
         pieces = {k: [] for k in range(len(sites))}
         for q in quads:
             points = [at[v] for v in q]
             centre = mean(points)
             for k in range(4):
-                piece = [points[k], mean([points[k], points[(k + 1) % 4]]), centre, mean([points[k], points[k - 1]])]
+                piece = [
+                    points[k],
+                    mean([points[k], points[(k + 1) % 4]]),
+                    centre,
+                    mean([points[k], points[k - 1]]),
+                ]
                 pieces[label[q[k]]].append([to(p) for p in piece])
         if panel > 0:
             for k, polygons in pieces.items():
@@ -229,10 +282,18 @@ def dual():
                     if label[v] not in cells:
                         cells.append(label[v])
                 if len(cells) == 3:
-                    edges.update(tuple(sorted((cells[a], cells[b]))) for a, b in ((0, 1), (1, 2), (0, 2)))
+                    edges.update(
+                        tuple(sorted((cells[a], cells[b]))) for a, b in ((0, 1), (1, 2), (0, 2))
+                    )
                 if len(cells) == 4:
-                    diagonal = min(((0, 2), (1, 3)), key=lambda e: math.dist(at[sites[cells[e[0]]]], at[sites[cells[e[1]]]]))
-                    edges.update(tuple(sorted((cells[a], cells[b]))) for a, b in ((0, 1), (1, 2), (2, 3), (3, 0), diagonal))
+                    diagonal = min(
+                        ((0, 2), (1, 3)),
+                        key=lambda e: math.dist(at[sites[cells[e[0]]]], at[sites[cells[e[1]]]]),
+                    )
+                    edges.update(
+                        tuple(sorted((cells[a], cells[b])))
+                        for a, b in ((0, 1), (1, 2), (2, 3), (3, 0), diagonal)
+                    )
             for a, b in sorted(edges):
                 d.line([to(at[sites[a]]), to(at[sites[b]])], INK, 2.2)
         for s in sites:
@@ -248,8 +309,13 @@ def dual():
 
 
 def arc(cx, cy, rx, ry, start, end, steps=40):
-    return [(cx + rx * math.cos(math.radians(start + (end - start) * k / steps)),
-             cy + ry * math.sin(math.radians(start + (end - start) * k / steps))) for k in range(steps + 1)]
+    return [
+        (
+            cx + rx * math.cos(math.radians(start + (end - start) * k / steps)),
+            cy + ry * math.sin(math.radians(start + (end - start) * k / steps)),
+        )
+        for k in range(steps + 1)
+    ]
 
 
 def closed_ball():
@@ -300,7 +366,15 @@ def closed_ball():
         d.dot((x, y + side), 5.5, RED)
     corners = [(x - 52, 299), (x + 52, 299), (x, 255)]
     d.polygon(corners, FILLS[6], INK, 2)
-    d.polygon([(px, py + (5 if k < 2 else 6)) for k, (px, py) in enumerate([(x - 42, 291), (x + 42, 291), (x, 258)])], "none", INK, 1.2)
+    d.polygon(
+        [
+            (px, py + (5 if k < 2 else 6))
+            for k, (px, py) in enumerate([(x - 42, 291), (x + 42, 291), (x, 258)])
+        ],
+        "none",
+        INK,
+        1.2,
+    )
     for c, name, offset in zip(corners, "ABC", ((-12, 5), (12, 5), (13, 2))):
         d.dot(c, 5)
         d.text((c[0] + offset[0], c[1] + offset[1]), name, "middle")
@@ -315,7 +389,10 @@ def vertex_fan():
     d = Drawing(720, 230, "Fans of triangles around a vertex")
 
     def draw(centre, angles, fill):
-        rim = [(centre[0] + 72 * math.cos(math.radians(a)), centre[1] - 72 * math.sin(math.radians(a))) for a in angles]
+        rim = [
+            (centre[0] + 72 * math.cos(math.radians(a)), centre[1] - 72 * math.sin(math.radians(a)))
+            for a in angles
+        ]
         for a, b in zip(rim, rim[1:]):
             d.polygon([centre, a, b], fill, INK, 1.5)
         for p in rim:
@@ -327,7 +404,11 @@ def vertex_fan():
     draw((600, 100), [140, 180, 220], FILLS[3])
     for x, y in ((120, 100), (360, 120), (600, 100)):
         d.dot((x, y), 5.5, BLUE)
-    for x, words, colour in ((120, "closed fan: interior vertex", GREEN), (360, "open fan: boundary vertex", GREEN), (600, "two fans: not a manifold", RED)):
+    for x, words, colour in (
+        (120, "closed fan: interior vertex", GREEN),
+        (360, "open fan: boundary vertex", GREEN),
+        (600, "two fans: not a manifold", RED),
+    ):
         d.text((x, 212), words, "middle", colour)
     return d.svg()
 
@@ -368,7 +449,15 @@ def sizing_field():
         d.line([(at, base - scale * low - 4), (at, base - scale * low - 44)], GREY, 1, "4 3")
         d.text((at, base - scale * low - 50), f"({name}) h was lowered here", "middle", size=13)
     x1 = 250
-    d.line([(x1, base - scale * h(x1)), (x1 + 45, base - scale * h(x1)), (x1 + 45, base - scale * h(x1 + 45))], GREY, 1.2)
+    d.line(
+        [
+            (x1, base - scale * h(x1)),
+            (x1 + 45, base - scale * h(x1)),
+            (x1 + 45, base - scale * h(x1 + 45)),
+        ],
+        GREY,
+        1.2,
+    )
     d.text((x1 + 52, base - scale * h(x1 + 22) + 12), "slope 1/3", size=13)
     d.dot((80, 272), 5)
     d.text((92, 277), "site")
@@ -428,27 +517,64 @@ def types():
         if words:
             d.text(at, words, anchor, BLUE, 12, family=mono)
 
-    box(20, 50, 190, "VolumeView", ["samples in their own type", "Grid: size, spacing, origin"], FILLS[5])
+    box(
+        20,
+        50,
+        190,
+        "VolumeView",
+        ["samples in their own type", "Grid: size, spacing, origin"],
+        FILLS[5],
+    )
     arrow([(210, 83), (345, 83)], "parse_surface()", (277, 74))
 
     d.box(345, 20, 535, 138, FILLS[0])
     d.text((358, 42), "AdaptiveSurface", weight="bold")
     d.text((500, 42), "the reference surface, subdivided where needed", size=12)
-    box(358, 55, 200, "SurfaceComplex", ["c-vertices with positions", "faces: triangles and quads", "boundary sides"])
+    box(
+        358,
+        55,
+        200,
+        "SurfaceComplex",
+        ["c-vertices with positions", "faces: triangles and quads", "boundary sides"],
+    )
     box(570, 55, 145, "Components", ["topology of each"])
     box(727, 55, 142, "Nesting", ["orientation, parent"])
 
     arrow([(390, 158), (390, 190), (150, 190), (150, 225)], "make_graph()", (270, 182))
     arrow([(560, 158), (560, 225)], "coarsen()", (568, 196), "start")
-    box(35, 225, 235, "CVertexGraph", ["the graph G: neighbours in", "cyclic order, edge lengths"], FILLS[0])
-    box(430, 225, 270, "Coarsened", ["a smaller SurfaceComplex, certified,", "with a representative per c-vertex"], FILLS[0])
+    box(
+        35,
+        225,
+        235,
+        "CVertexGraph",
+        ["the graph G: neighbours in", "cyclic order, edge lengths"],
+        FILLS[0],
+    )
+    box(
+        430,
+        225,
+        270,
+        "Coarsened",
+        ["a smaller SurfaceComplex, certified,", "with a representative per c-vertex"],
+        FILLS[0],
+    )
     arrow([(430, 258), (270, 258)], "make_graph()", (350, 250))
 
     d.box(20, 340, 860, 140, FILLS[2])
     arrow([(150, 291), (150, 378)], "Covering::cover()", (160, 322), "start")
     d.text((175, 362), "MeasuredCovering", weight="bold")
-    d.text((330, 362), "the state of a refined level; for level 0, CoarseMesher holds the first two boxes", size=12)
-    box(35, 378, 230, "Covering", ["distance, radius and Voronoi cell", "of each c-vertex;", "Partition: cell_of, site"])
+    d.text(
+        (330, 362),
+        "the state of a refined level; for level 0, CoarseMesher holds the first two boxes",
+        size=12,
+    )
+    box(
+        35,
+        378,
+        230,
+        "Covering",
+        ["distance, radius and Voronoi cell", "of each c-vertex;", "Partition: cell_of, site"],
+    )
     box(290, 378, 175, "CertifiedDual", ["DualTriangles;", "checks and repairs", "the Partition"])
     box(490, 378, 170, "LevelMesh", ["points and triangles,", "c-vertices per cell"])
     box(690, 378, 178, "VertexPlacement", ["anchor c-vertex and", "displacement of each", "vertex"])
@@ -459,13 +585,35 @@ def types():
     arrow([(230, 480), (230, 545)], "extract(): level 0", (240, 508), "start")
     d.text((240, 526), "LevelMaker::add_level(): others", "start", BLUE, 12, family=mono)
     arrow([(620, 480), (620, 545)])
-    box(90, 545, 290, "Hierarchy", ["positions, shared by all levels;", "triangles of each level"], FILLS[1])
-    box(470, 545, 300, "ExtractReport", ["certificate, topology, metrics and", "shape of each level"], FILLS[1])
+    box(
+        90,
+        545,
+        290,
+        "Hierarchy",
+        ["positions, shared by all levels;", "triangles of each level"],
+        FILLS[1],
+    )
+    box(
+        470,
+        545,
+        300,
+        "ExtractReport",
+        ["certificate, topology, metrics and", "shape of each level"],
+        FILLS[1],
+    )
     return d.svg()
 
 
-FIGURES = {"surfel": surfel, "fan": fan, "dual": dual, "closed-ball": closed_ball, "vertex-fan": vertex_fan, "sizing-field": sizing_field,
-           "multi-sheet": multi_sheet, "types": types}
+FIGURES = {
+    "surfel": surfel,
+    "fan": fan,
+    "dual": dual,
+    "closed-ball": closed_ball,
+    "vertex-fan": vertex_fan,
+    "sizing-field": sizing_field,
+    "multi-sheet": multi_sheet,
+    "types": types,
+}
 
 
 def main():
