@@ -41,6 +41,7 @@ class CMakeBuild(build_ext):
         options = ["-G", "Ninja"] if shutil.which("ninja") and not is_configured else []
         options += ["-DCMAKE_BUILD_TYPE=Release", "-DISOATLAS_BUILD_PYTHON=ON"]
         options += ["-DISOATLAS_BUILD_TOOL=OFF", "-DISOATLAS_BUILD_TESTS=OFF"]
+        options += ["-DISOATLAS_UNITY_BUILD=ON"]
         options += ["-DISOATLAS_WARNINGS_AS_ERRORS=OFF", f"-DPython_EXECUTABLE={sys.executable}"]
         options += pybind11_arguments() + shlex.split(os.environ.get("CMAKE_ARGS", ""))
         subprocess.run(["cmake", "-S", ROOT, "-B", folder, *options], check=True)
