@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 end=$(($(date +%s) + ${1:-3600}))
 scripts/install_dependencies.sh test
-[ -f build/release/build.ninja ] || cmake --preset release > /dev/null
+cmake --preset release -DISOATLAS_BUILD_TESTS=ON > /dev/null
 cmake --build build/release --target test_property test_levels_property
 mkdir -p build/nightly
 log=build/nightly/seeds.log

@@ -18,7 +18,9 @@ struct Extraction {
   Hierarchy hierarchy;
   ExtractReport report;  ///< `report.levels` has one entry per level of `hierarchy`
   /// A copy of the finest level.
-  TriangleMesh mesh() const { return hierarchy.mesh(hierarchy.levels.size() - 1); }
+  TriangleMesh mesh() const {
+    return hierarchy.mesh(hierarchy.levels.empty() ? 0 : hierarchy.levels.size() - 1);
+  }
   /// The report about the finest level.
   const LevelReport& finest() const { return report.levels.back(); }
 };

@@ -42,7 +42,7 @@ struct ISOATLAS_API Hierarchy {
   /// @throws Error(bad_argument) if no level contains it
   std::uint32_t level_of(std::uint32_t vertex) const;
   /// A copy of a level: its triangles, and its `own_positions` or its prefix of `positions`.
-  /// @throws std::out_of_range if there is no such level
+  /// @throws Error(bad_argument) if there is no such level; Error(out_of_memory)
   TriangleMesh mesh(std::size_t level) const;
   /// mesh() without a copy; valid until the hierarchy changes or is destroyed.
   MeshView view(std::size_t level) const;

@@ -112,28 +112,22 @@ struct ISOATLAS_API VolumeView {
   /// first makes a dense copy of the N samples, O(N).
   Strides strides{};
 
-  /// A view of a vector, span, array or other contiguous range of numbers, with spacing 1. x runs
-  /// fastest.
-  /// @throws Error(bad_argument) if the range does not have size[0] * size[1] * size[2] numbers
+  /// A view of a vector, span, array or other contiguous range of numbers, with spacing 1.
+  /// @param strides  default: x runs fastest, without gaps. Otherwise `samples` starts at the
+  ///        sample with the lowest address; with negative strides this is not sample (0, 0, 0)
+  /// @throws Error(bad_argument) if the range does not have size[0] * size[1] * size[2] numbers,
+  ///         or with strides if a sample would be outside the range
   template <std::ranges::contiguous_range Range>
   requires(Sample<std::ranges::range_value_t<Range>> &&
            (std::is_lvalue_reference_v<Range> ||
             std::ranges::borrowed_range<Range>)) static VolumeView
-      of(Range&& samples, const Size3& size) {
-    return of(std::span<const std::ranges::range_value_t<Range>>(samples), size, Strides{});
-  }
-  /// A view of samples in another order, or with gaps between them, with spacing 1.
-  /// @param samples  starts at the sample with the lowest address; with negative strides this is
-  /// not
-  ///        sample (0, 0, 0)
-  /// @throws Error(bad_argument) if a sample would be outside `samples`
-  template <Sample T>
-  static VolumeView of(std::span<const T> samples, const Size3& size, const Strides& strides) {
+      of(Range&& samples, const Size3& size, const Strides& strides = {}) {
     VolumeView view;
     view.grid.size = size;
-    view.type = sample_type_of<T>();
+    view.type = sample_type_of<std::ranges::range_value_t<Range>>();
     view.strides = strides;
-    view.samples = samples.data() + offset_of_first(samples.size(), size, strides);
+    view.samples =
+        std::ranges::data(samples) + offset_of_first(std::ranges::size(samples), size, strides);
     return view;
   }
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <type_traits>
 
+#include "core/require.h"
 #include "field/dense_volume.h"
 #include "field/sample_type.h"
+#include "isoatlas/error.h"
 
 namespace isoatlas {
 using namespace detail;
@@ -41,12 +44,16 @@ SampleSummary summarize_samples(const Grid& grid, const T* samples) {
 
 }  // namespace
 
-SampleSummary summarize(const VolumeView& any_volume) {
+SampleSummary summarize(const VolumeView& any_volume) try {
+  require(any_volume.samples != nullptr || any_volume.grid.sample_count() == 0,
+          "the volume has no samples");
   const Volume kept = dense_volume(any_volume);
   const VolumeView& volume = kept.view;
   return visit_sample_type(volume.type, [&]<class T>(const T*) {
     return summarize_samples(volume.grid, static_cast<const T*>(volume.samples));
   });
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory to copy these samples");
 }
 
 }  // namespace isoatlas

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <new>
 #include <numbers>
 #include <tuple>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "core/cancel_poll.h"
 #include "core/ranges.h"
 #include "core/vector_math.h"
+#include "geometry/require_corners.h"
+#include "isoatlas/error.h"
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
@@ -64,7 +67,8 @@ void measure_dihedral_angles(const MeshView& mesh, MeshQuality& quality,
 
 }  // namespace
 
-MeshQuality mesh_quality(const MeshView& mesh, const RunControl& control) {
+MeshQuality mesh_quality(const MeshView& mesh, const RunControl& control) try {
+  require_corners(mesh);
   MeshQuality q;
   q.triangles = mesh.triangles.size();
   if (mesh.triangles.empty()) return q;
@@ -109,6 +113,8 @@ MeshQuality mesh_quality(const MeshView& mesh, const RunControl& control) {
   q.aspect_share_below_third =
       static_cast<double>(below) / static_cast<double>(mesh.triangles.size());
   return q;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory for the shape of this mesh");
 }
 
 }  // namespace isoatlas

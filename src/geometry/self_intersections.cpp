@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -40,7 +41,7 @@ void check_input(std::span<const Vec3> positions, std::span<const Triangle> tria
 std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions,
                                              std::span<const Triangle> triangles,
                                              const SelfIntersectionOptions& options,
-                                             const RunControl& control) {
+                                             const RunControl& control) try {
   const ThreadLimit threads(control.threads);
   control.report("intersect", 0);
   check_input(positions, triangles);
@@ -63,6 +64,8 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions,
            intersect_beyond_shared_simplex(positions, triangles[a], triangles[b]);
   };
   return CloseTriangles().update(positions, triangles, wanted, intersect, control);
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory to find self-intersections");
 }
 
 Vec3 intersection_position(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {

@@ -2,6 +2,7 @@
 // Topology of a list of triangles, counted from the list alone: the independent check of every
 // mesh.
 #include <algorithm>
+#include <new>
 #include <string>
 
 #include "core/cancel_poll.h"
@@ -47,7 +48,7 @@ std::int64_t MeshTopology::boundary_loops() const {
   return sum;
 }
 
-MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
+MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) try {
   MeshTopology out;
   const std::uint32_t n = checked_id(mesh.positions.size(), "vertices");
   checked_id(3 * mesh.triangles.size(), "triangle corners");
@@ -177,6 +178,8 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
     }
   }
   return out;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory to count this mesh");
 }
 
 }  // namespace isoatlas

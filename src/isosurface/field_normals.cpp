@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <new>
 #include <vector>
 
 #include "core/parallel.h"
@@ -21,15 +22,17 @@ constexpr std::size_t kVerticesPerPiece = 1024;
 
 }  // namespace
 
-std::vector<Vec3> vertex_normals(const MeshView& mesh) {
+std::vector<Vec3> vertex_normals(const MeshView& mesh) try {
   require_corners(mesh);
   const double size = mesh.positions.empty() ? 0 : bounds_of(mesh.positions).longest();
   return detail::vertex_normals(mesh, size > 0 ? size : 1);
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory for these normals");
 }
 
 std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_volume,
                                  const SurfaceOptions& surface, Space space,
-                                 const RunControl& control) {
+                                 const RunControl& control) try {
   std::vector<Vec3> out = vertex_normals(mesh);
   check_volume(any_volume, surface.isovalue);
   const Volume kept = dense_volume(any_volume);
@@ -56,9 +59,12 @@ std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_vol
     if (const Vec3 unit = normalized(normal); !(unit == Vec3{})) out[v] = unit;
   });
   return out;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory for these normals");
 }
 
-std::vector<Vec3> vertex_normals(const MeshView& mesh, const ScalarField& field, Inside inside) {
+std::vector<Vec3> vertex_normals(const MeshView& mesh, const ScalarField& field,
+                                 Inside inside) try {
   if (!field.gradient) throw Error(ErrorCode::bad_argument, "the field has no gradient");
   std::vector<Vec3> out = vertex_normals(mesh);
   const double outward = inside == Inside::above ? -1 : 1;
@@ -68,6 +74,8 @@ std::vector<Vec3> vertex_normals(const MeshView& mesh, const ScalarField& field,
       out[v] = unit;
   });
   return out;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory for these normals");
 }
 
 }  // namespace isoatlas

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
 
 #include "api/resolve_options.h"
+#include "isoatlas/error.h"
 #include "isoatlas/json.h"
 #include "isoatlas/version.h"
 #include "report/json_values.h"
@@ -339,7 +341,7 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
 
 namespace isoatlas {
 
-std::string to_json(const ExtractReport& report) {
+std::string to_json(const ExtractReport& report) try {
   using namespace detail;
   report::Json json = {{"schema", kReportSchema}, {"version", ISOATLAS_VERSION}};
   for (const char* key : {"command", "input", "surface", "parameters"}) json[key] = nullptr;
@@ -348,6 +350,8 @@ std::string to_json(const ExtractReport& report) {
   json["seconds"] = seconds_value(report, nullptr, nullptr);
   json["peak_memory_bytes"] = nullptr;
   return report::to_text(json);
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory for the text of this report");
 }
 
 }  // namespace isoatlas

@@ -49,7 +49,7 @@ void require_used(const ReadOptions& options, const VolumeFile& file, const fs::
                                                 : name + "s";
       throw Error(
           ErrorCode::bad_argument,
-          io::one_line(path.string() + ": --" + name + " was given, but a " + file.source.format +
+          io::one_line(path.string() + ": " + name + " was given, but a " + file.source.format +
                        " file like this one has no " + list + " to choose from"));
     }
   };
