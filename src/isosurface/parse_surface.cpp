@@ -531,14 +531,14 @@ class Parser {
     const CrossedCell& cell = find_cell(c[0], c[1], c[2]);
     const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
     const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
-    const auto is_on_volume_boundary = [&](std::size_t a) {
+    const auto on_volume_boundary = [&](std::size_t a) {
       return static_cast<std::uint8_t>(!options_.closed && (c[a] == 1 || c[a] == size_[a]));
     };
     const std::vector<CVertexId> corners =
         is_cut ? corners_around(axis, c) : std::vector<CVertexId>();
     return {slices_[c[2]].first_face + cell.first_face + before,
             is_cut,
-            {is_on_volume_boundary(0), is_on_volume_boundary(1), is_on_volume_boundary(2)},
+            {on_volume_boundary(0), on_volume_boundary(1), on_volume_boundary(2)},
             axis,
             position,
             corners};
