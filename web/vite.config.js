@@ -10,8 +10,8 @@ const licence = (name, file) => {
 };
 
 /**
- * Both licences ask that their text goes with every copy; the minifier would drop a comment, so it
- * is put in front afterwards.
+ * Both licences require their text in every copy. The minifier would drop a comment, so the text is
+ * inserted at the start afterwards.
  */
 const notices = {
   name: "notices",

@@ -39,7 +39,7 @@ bool is_volume(const fs::path& path) {
   }
 }
 
-/// The header next to a file of samples; empty if there is none.
+/// The header next to a file of samples; empty if it is missing.
 fs::path header_of(const fs::path& path) {
   for (const char* extension : {".nhdr", ".mhd", ".hdr"}) {
     const fs::path header = fs::path(path).replace_extension(extension);

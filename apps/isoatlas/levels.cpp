@@ -125,7 +125,8 @@ std::string metric_text(double value) {
   return std::isinf(value) ? "unbounded" : number_text(value);
 }
 
-/// The proved bound of the distances, or else their sampling density. Empty if there are none.
+/// The proved bound of the distances, or else their sampling density. Empty if distances were not
+/// measured.
 std::string distance_sampling(const LevelFacts& finest) {
   if (finest.distance_at_most)
     return proof_text(*finest.distance_at_most) +

@@ -13,7 +13,7 @@ namespace isoatlas::detail::tool {
 std::size_t edit_distance(std::string_view from, std::string_view to);
 
 /// The name most similar to `typed`, compared as plain words (wording/values.h): at most a third of
-/// the letters differ, or `typed` is the beginning of this name only. Empty if there is none.
+/// the letters differ, or `typed` is the beginning of this name only. Empty if no name is similar.
 std::string nearest_name(std::string_view typed, std::span<const std::string> names);
 
 }  // namespace isoatlas::detail::tool

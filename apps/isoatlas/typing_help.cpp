@@ -48,8 +48,8 @@ bool exists(const std::string& path) {
   return fs::exists(path, ignored);
 }
 
-/// Length in bytes of a typographic hyphen, dash or minus sign at the start of `word`; 0 if there
-/// is none.
+/// Length in bytes of a typographic hyphen, dash or minus sign at the start of `word`; 0 for
+/// another start.
 std::size_t typographic_dash(std::string_view word) {
   // U+2010 to U+2015, U+2212, U+FE58, U+FE63, U+FF0D
   for (const std::string_view dash : {"\u2010", "\u2011", "\u2012", "\u2013", "\u2014", "\u2015",
@@ -92,7 +92,7 @@ bool has_option(const Words& words, std::initializer_list<std::string_view> name
   });
 }
 
-/// The value of -o; empty if there is none.
+/// The value of -o; empty without this option.
 fs::path output_of(const Words& words) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i)
     if (words[i] == "-o" || words[i] == "--output") return words[i + 1];

@@ -32,7 +32,7 @@ def number(value):
 
 
 def text(figure, show=number):
-    """The figure for a table cell, with its sign if it is a bound; "–" if there is none."""
+    """The figure for a table cell, with its sign if it is a bound; "–" without a figure."""
     if figure is None:
         return "–"
     return (f"{figure.bound} " if figure.bound else "") + show(figure.value)

@@ -24,7 +24,7 @@ enum class ErrorCode {
 /// What the caller can do about an error. The library's texts name members of its own structs; a
 /// program with its own options can show the names of those instead.
 enum class Remedy : std::uint8_t {
-  none,          ///< problem() already contains the advice, or there is none
+  none,          ///< problem() already contains the advice, or no advice exists
   place_nan,     ///< "set SurfaceOptions::non_finite to below or above"
   only_coarse,   ///< "leave ExtractOptions::refine and ::coarse empty, or resample the volume to a
                  ///< box-shaped grid"

@@ -32,11 +32,11 @@ enum class Quantity {
   area_curvature,
   /// area_curvature with normals interpolated between the vertices; ratio >= 1.
   area_curvature_smooth,
-  /// Largest ratio of geodesic to straight distance from the site to the border of its Voronoi
-  /// cell; ratio >= 1.
+  /// Largest ratio of geodesic to straight distance from the site to the boundary of its
+  /// Voronoi cell; ratio >= 1.
   geodesic_ratio,
-  /// Largest sum of the angles between normals along a geodesic from the site to the border of its
-  /// Voronoi cell; degrees.
+  /// Largest sum of the angles between normals along a geodesic from the site to the boundary of
+  /// its Voronoi cell; degrees.
   normal_angle,
   max_vertices,  ///< number of vertices, bounded from above
   min_vertices,  ///< number of vertices, bounded from below
@@ -53,7 +53,7 @@ enum class Unit { length, ratio, degrees, count, number };
 
 /// The name on the command line: "max-distance" ... "min-aspect"; "custom" for a custom metric.
 ISOATLAS_API std::string_view name(Quantity quantity);
-/// The quantity with a name of the command line; absent if there is none. `custom` has no such
+/// The quantity with a name of the command line; absent for an unknown name. `custom` has no such
 /// name.
 ISOATLAS_API std::optional<Quantity> quantity_named(std::string_view name);
 /// The unit of a quantity's values and bounds.
@@ -134,8 +134,9 @@ inline Constraint bounded(std::string name, std::function<double(const CellGeome
   return out;
 }
 
-/// A sizing field: an upper bound of the length of an edge that depends on the edge's midpoint. The
-/// report calls it "sizing-field" and states the largest ratio of edge length to the bound.
+/// An edge-length field: an upper bound of the length of an edge that depends on the edge's
+/// midpoint. The report calls it "edge-length" and states the largest ratio of edge length to the
+/// bound.
 /// @param longest_edge  the largest allowed length at a world point, positive, in world units
 ISOATLAS_API Constraint sized_by(std::function<double(Vec3)> longest_edge);
 
@@ -176,7 +177,7 @@ struct ConstraintResult {
 };
 
 /// Why the shape of a bad triangle (see BadTriangle) was not improved by moving its vertices: why
-/// both ends of its shortest edge, or the corner at its largest angle, stay where they are.
+/// both ends of its shortest edge, or the corner at its largest angle, kept their positions.
 enum class ShapeObstacle {
   none,               ///< no position within reach is better and satisfies the bounds
   earlier_level,      ///< they are vertices of an earlier level, which are fixed

@@ -36,7 +36,7 @@ class _Bar:
 
 @contextlib.contextmanager
 def progress_callback(progress: ProgressLike) -> Iterator[Progress | None]:
-    """The function that the extension calls with the progress; None if nobody wants it.
+    """The function that the extension calls with the progress; None without progress.
 
     Raises
     ------

@@ -37,7 +37,7 @@ namespace {
 
 // The coarser complex consists of blocks of four voxels, but its blocks stay well below the largest
 // radius so that the covering can choose among its c-vertices. Below one and a half voxels blocks
-// save nothing, and the covering works on the full complex.
+// save nothing, and the covering uses the full complex.
 constexpr double kBlockVoxels = 4;
 constexpr double kBlocksPerRadius = 4;
 constexpr double kMinBlockVoxels = 1.5;

@@ -6,7 +6,7 @@
 //   [gavriliu2001]      sections 3.2 and 3.6.
 // Ours: the property is checked by counting, so that a passed check is a proof. A cell is a disk
 // iff it is connected and V - E + F = 1 for the part of the complex spanned by its c-vertices.
-// Given that, all borders of a cell form one circle, and pairs and triples are counted by the ends
+// The boundary of such a cell is one circle, and pairs and triples are counted by the ends
 // of arcs: every dual triangle is an end of three arcs, every boundary side between two cells an
 // end of one.
 #include "complex/certificate.h"

@@ -39,8 +39,8 @@ ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& 
     return sizes;
   }
   // Both complexes list the c-vertices of grid cells inside the volume in the same order and with
-  // the same positions; those on the border and on caps differ. Every component has a c-vertex
-  // inside the volume.
+  // the same positions; those on the volume boundary and on caps differ. Every component has a
+  // c-vertex inside the volume.
   const Components parts = find_components(closed);
   CVertexId next = 0;
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {

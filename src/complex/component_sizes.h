@@ -8,9 +8,9 @@
 
 namespace isoatlas::detail {
 
-/// The volumes that the components of a surface enclose when the volume's border is capped.
-/// Components whose capped surfaces are connected form one part: for example the two sides of a
-/// slab that the border cuts open.
+/// The volumes that the components of a surface enclose when they are capped on the volume
+/// boundary. Components whose capped surfaces are connected form one part: for example the two
+/// sides of a slab that the volume boundary cuts open.
 struct ComponentSizes {
   std::vector<std::uint32_t> part_of;  ///< per component
   std::vector<double> enclosed;        ///< per part, the volume that its surface encloses; metric

@@ -13,15 +13,15 @@ namespace isoatlas::detail {
 /// The orientation of the closed components of a surface, and which of them lies inside which.
 /// Components with a boundary enclose nothing.
 struct Nesting {
-  /// per component: 1 outward, -1 inward (it bounds a cavity), 0 undefined (it is open or has no
-  /// volume)
+  /// the orientation per component: 1 outward, -1 inward (it bounds a cavity), 0 undefined (it is
+  /// open or has no volume)
   std::vector<std::int8_t> facing;
-  std::vector<std::uint32_t> parent;  ///< per component: the innermost one that encloses it; kNone:
-                                      ///< there is none, or it is open
+  std::vector<std::uint32_t> parent;  ///< per component: the innermost one that encloses it; kNone
+                                      ///< if no component encloses it, or if it is open
   friend bool operator==(const Nesting&, const Nesting&) = default;
 };
 
-/// Per component, 1 if its facing or its parent differs from `wanted`.
+/// Per component, 1 if its orientation or its parent differs from `wanted`.
 inline std::vector<std::uint8_t> differences(const Nesting& nesting, const Nesting& wanted) {
   std::vector<std::uint8_t> differ(wanted.facing.size(), 0);
   for (std::size_t c = 0; c < differ.size(); ++c) {

@@ -34,9 +34,9 @@ GridCell grid_cell_of_face(const SurfaceComplex& complex, const Face& face) {
   return grid_cell_of((1.0 / face.size()) * sum);
 }
 
-void sort_unique(std::vector<GridCell>& cells) {
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+void sort_unique(std::vector<GridCell>& grid_cells) {
+  std::sort(grid_cells.begin(), grid_cells.end());
+  grid_cells.erase(std::unique(grid_cells.begin(), grid_cells.end()), grid_cells.end());
 }
 
 }  // namespace
@@ -75,12 +75,12 @@ void AdaptiveSurface::update_checked_cells() {
     const auto v = static_cast<CVertexId>(i);
     const int whole = integer_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
-    const bool parsed_on_border = v < parsed_count_ && whole == 1 && !in_two_curves[v];
-    fixed_[v] = whole > 0 && current[v] == Fineness::faces && !parsed_on_border;
+    const bool parsed_on_volume_boundary = v < parsed_count_ && whole == 1 && !in_two_curves[v];
+    fixed_[v] = whole > 0 && current[v] == Fineness::faces && !parsed_on_volume_boundary;
     is_in_checked_cell[v] = whole == 0 && multi_sheet_cells_.contains(v);
   });
   control_.check_cancelled();
-  std::vector<GridCell> cells = cells_with_small_pieces_;
+  std::vector<GridCell> grid_cells = grid_cells_with_small_pieces_;
   const auto add_inside =
       [&](const Face& face,
           std::vector<CVertexId>& found) {  // finds c-vertices inside such grid cells
@@ -105,40 +105,42 @@ void AdaptiveSurface::update_checked_cells() {
   control_.check_cancelled();
   std::sort(inside.begin(), inside.end());
   inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
-  for (const CVertexId v : inside) cells.push_back(grid_cell_of(complex_.positions[v]));
-  if (!cells_with_small_pieces_.empty()) {  // only these have c-vertices added by a subdivision
+  for (const CVertexId v : inside) grid_cells.push_back(grid_cell_of(complex_.positions[v]));
+  // Only these grid cells contain c-vertices that a subdivision has added.
+  if (!grid_cells_with_small_pieces_.empty()) {
     inside.clear();
     for (CVertexId v = 0; v < n; ++v) {
       if (integer_coordinates(complex_.positions[v]) == 0) inside.push_back(v);
     }
   }
   control_.check_cancelled();
-  sort_unique(cells);
+  sort_unique(grid_cells);
   control_.check_cancelled();
   // Grid cells with faces that are not even fans cannot be checked.
   std::vector<GridCell> unsplit;
   for (const CVertexId v : inside) {
     poll.step();
     if (current[v] != Fineness::faces) continue;
-    const GridCell cell = grid_cell_of(complex_.positions[v]);
-    if (std::binary_search(cells.begin(), cells.end(), cell)) unsplit.push_back(cell);
+    const GridCell grid_cell = grid_cell_of(complex_.positions[v]);
+    if (std::binary_search(grid_cells.begin(), grid_cells.end(), grid_cell))
+      unsplit.push_back(grid_cell);
   }
   sort_unique(unsplit);
-  is_in_unsplit_cell_.assign(n, 0);
+  is_in_unsplit_grid_cell_.assign(n, 0);
   for_each_index(inside.size(), kPerPiece, &control_, [&](std::size_t i) {
-    is_in_unsplit_cell_[inside[i]] = std::binary_search(
+    is_in_unsplit_grid_cell_[inside[i]] = std::binary_search(
         unsplit.begin(), unsplit.end(), grid_cell_of(complex_.positions[inside[i]]));
   });
   for (const Face& face : complex_.faces) {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(),
-                     [&](CVertexId v) { return is_in_unsplit_cell_[v]; }))
+                     [&](CVertexId v) { return is_in_unsplit_grid_cell_[v]; }))
       continue;
     for (int k = 0; k < face.size(); ++k)
       fixed_[face.corner[k]] |= integer_coordinates(complex_.positions[face.corner[k]]) > 0;
   }
   report_continuing(control_);
   std::vector<GridCell> checkable;
-  std::set_difference(cells.begin(), cells.end(), unsplit.begin(), unsplit.end(),
+  std::set_difference(grid_cells.begin(), grid_cells.end(), unsplit.begin(), unsplit.end(),
                       std::back_inserter(checkable));
   checked_cells_ = CheckedCells(complex_, checkable, control_);
 }
@@ -160,7 +162,7 @@ std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(
   while (!next.empty()) {
     std::vector<CVertexId> reverted = checked_cells_.intersecting(next, positions, control_);
     for (const CVertexId v : multi_sheet_cells_.intersecting(next, positions, control_)) {
-      if (is_in_unsplit_cell_[v]) reverted.push_back(v);
+      if (is_in_unsplit_grid_cell_[v]) reverted.push_back(v);
     }
     next.clear();
     for (const CVertexId v : reverted) {
@@ -178,13 +180,13 @@ std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(
 
 // Multi-sheet grid cells are subdivided as a whole or not at all, so that they can be checked. This
 // includes those that a face to be subdivided reaches into.
-std::vector<CVertexId> AdaptiveSurface::with_multi_sheet_cells(
+std::vector<CVertexId> AdaptiveSurface::with_multi_sheet_grid_cells(
     std::span<const CVertexId> wanted) const {
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
   for (const CVertexId v : wanted) is_wanted[v] = 1;
   std::vector<CVertexId> out(wanted.begin(), wanted.end());
   const auto add_cell_of = [&](CVertexId v) {
-    for (const CVertexId w : multi_sheet_cells_.c_vertices_in_cell_of(v)) {
+    for (const CVertexId w : multi_sheet_cells_.c_vertices_in_grid_cell_of(v)) {
       if (std::exchange(is_wanted[w], std::uint8_t{1}) == 0) out.push_back(w);
     }
   };
@@ -239,32 +241,32 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted,
   move_off_walls(wanted, fixed);
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
   for (const CVertexId v : wanted) is_wanted[v] = old_fineness[v] == Fineness::pieces;
-  std::vector<GridCell> cells;
+  std::vector<GridCell> grid_cells;
   for (const Face& face : complex_.faces) {
     const auto end = face.corner.begin() + face.size();
     if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; }))
-      cells.push_back(grid_cell_of_face(complex_, face));
+      grid_cells.push_back(grid_cell_of_face(complex_, face));
   }
   control_.check_cancelled();
-  sort_unique(cells);
+  sort_unique(grid_cells);
   std::vector<Fineness> current = old_fineness;
   for (;; current = fineness()) {
     std::vector<CVertexId> not_in_pieces;
-    for (CVertexId v = 0; v < complex_.c_vertex_count() && !cells.empty(); ++v) {
+    for (CVertexId v = 0; v < complex_.c_vertex_count() && !grid_cells.empty(); ++v) {
       const Vec3 p = complex_.positions[v];
       if (current[v] == Fineness::pieces || integer_coordinates(p) > 0) continue;
-      if (std::binary_search(cells.begin(), cells.end(), grid_cell_of(p)))
+      if (std::binary_search(grid_cells.begin(), grid_cells.end(), grid_cell_of(p)))
         not_in_pieces.push_back(v);
     }
     control_.check_cancelled();
     if (not_in_pieces.empty()) break;
     report_continuing(control_);
-    subdivide_once(with_multi_sheet_cells(not_in_pieces), current);
+    subdivide_once(with_multi_sheet_grid_cells(not_in_pieces), current);
   }
   std::vector<CVertexId> left;
   std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left),
                [&](CVertexId v) { return current[v] == old_fineness[v]; });
-  subdivide_once(with_multi_sheet_cells(left), current);
+  subdivide_once(with_multi_sheet_grid_cells(left), current);
   report_continuing(control_);
   update_checked_cells();
 }
@@ -295,9 +297,9 @@ void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted,
     flatten_intersecting_pieces(subdivision, before);
 }
 
-// Pieces of flat triangles that are flat themselves intersect no more than the triangles do. So
-// wherever pieces in one grid cell intersect, its new points go back to the midpoints of their
-// sides.
+// Moves new points in grid cells with intersecting pieces to the midpoints of their sides. The
+// pieces are then parts of the flat triangles that were subdivided, and intersect only where these
+// triangles do.
 void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision,
                                                   CVertexId first_new) {
   const auto is_midpoint = [&](CVertexId v) {
@@ -308,21 +310,22 @@ void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision
   const auto has_midpoint = [&](const Face& face) {
     return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_midpoint);
   };
-  std::vector<GridCell> cells;
+  std::vector<GridCell> grid_cells;
   for (const Face& face : complex_.faces) {
     poll.step();
     if (!face.is_triangle() || !has_midpoint(face)) continue;
-    cells.push_back(grid_cell_of_face(complex_, face));
+    grid_cells.push_back(grid_cell_of_face(complex_, face));
   }
-  sort_unique(cells);
-  cells_with_small_pieces_.insert(cells_with_small_pieces_.end(), cells.begin(), cells.end());
-  sort_unique(cells_with_small_pieces_);
+  sort_unique(grid_cells);
+  grid_cells_with_small_pieces_.insert(grid_cells_with_small_pieces_.end(), grid_cells.begin(),
+                                       grid_cells.end());
+  sort_unique(grid_cells_with_small_pieces_);
   for (const Face& face : complex_.faces) {
     poll.step();
     if (!face.is_triangle()) continue;
-    const GridCell cell = grid_cell_of_face(complex_, face);
-    if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
-    pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
+    const GridCell grid_cell = grid_cell_of_face(complex_, face);
+    if (!std::binary_search(grid_cells.begin(), grid_cells.end(), grid_cell)) continue;
+    pieces.emplace_back(grid_cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control_.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(),

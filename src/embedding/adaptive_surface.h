@@ -14,10 +14,9 @@
 namespace isoatlas::detail {
 
 /// The reference surface, with more c-vertices wherever some stage found it too coarse. It stays
-/// the same surface: c-vertices keep their ids, and components theirs. Where it is subdivided
-/// everywhere it has no self-intersections, wherever in their grid cells its c-vertices are moved,
-/// as far as is_movable() and find_conflicting_moves() allow
-/// (docs/theory/06-self-intersections.md).
+/// the same surface: c-vertices keep their ids, and components theirs. If it is subdivided
+/// everywhere, it has no self-intersections for all positions of its c-vertices in their grid cells
+/// that is_movable() and find_conflicting_moves() allow (docs/theory/06-self-intersections.md).
 class AdaptiveSurface {
  public:
   /// @pre the complex is as it was parsed. C-vertices are moved where several surfels of one grid
@@ -81,7 +80,7 @@ class AdaptiveSurface {
 
  private:
   void update_checked_cells();
-  std::vector<CVertexId> with_multi_sheet_cells(std::span<const CVertexId> wanted) const;
+  std::vector<CVertexId> with_multi_sheet_grid_cells(std::span<const CVertexId> wanted) const;
   void move_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> fixed);
   void subdivide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& old_fineness);
   void flatten_intersecting_pieces(const Subdivision& subdivision, CVertexId first_new);
@@ -93,14 +92,14 @@ class AdaptiveSurface {
   RunControl control_;
   MultiSheetCells multi_sheet_cells_;
   CheckedCells checked_cells_;
-  std::vector<GridCell> cells_with_small_pieces_;  // grid cells with pieces of pieces
+  std::vector<GridCell> grid_cells_with_small_pieces_;  // grid cells with pieces of pieces
   std::vector<Vec3> original_positions_;
   std::vector<CVertexId> touched_;
   CVertexId parsed_count_;           // c-vertices before this one come from parsing
   std::vector<std::uint8_t> depth_;  // per c-vertex, the subdivision depth at which it was added
   std::vector<std::uint8_t> fixed_;  // per c-vertex
   // Per c-vertex, 1 if it is inside a multi-sheet grid cell that is not subdivided into pieces yet.
-  std::vector<std::uint8_t> is_in_unsplit_cell_;
+  std::vector<std::uint8_t> is_in_unsplit_grid_cell_;
   std::size_t subdivision_count_ = 0, added_count_ = 0;
   int max_depth_ = 0;
 };

@@ -13,7 +13,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kCheckedCellsPerPiece = 64,
+constexpr std::size_t kCheckedGridCellsPerPiece = 64,
                       kCheckedFacesPerPiece = 8192;  // of parallel loops
 
 bool any_intersect(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
@@ -27,21 +27,21 @@ bool any_intersect(std::span<const Triangle> triangles, std::span<const Vec3> po
 
 }  // namespace
 
-CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCell> cells,
+CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCell> grid_cells,
                            const RunControl& control)
     : complex_size_(complex.c_vertex_count()) {
   using Found = std::pair<std::uint32_t, Triangle>;
   const auto add = [&](Vec3 p, const Triangle& t, std::vector<Found>& found) {
-    const GridCell cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
-    const auto at = std::lower_bound(cells.begin(), cells.end(), cell);
-    if (at == cells.end() || *at != cell) return;
-    const auto c = static_cast<std::uint32_t>(at - cells.begin());
+    const GridCell grid_cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
+    const auto at = std::lower_bound(grid_cells.begin(), grid_cells.end(), grid_cell);
+    if (at == grid_cells.end() || *at != grid_cell) return;
+    const auto c = static_cast<std::uint32_t>(at - grid_cells.begin());
     if (found.empty() || found.back() != std::pair(c, t)) found.emplace_back(c, t);
   };
   const auto is_inside = [](Vec3 p) {
     return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z);
   };
-  const std::size_t faces = cells.empty() ? 0 : complex.face_count();
+  const std::size_t faces = grid_cells.empty() ? 0 : complex.face_count();
   auto found = collect_pieces<Found>(
       faces, kCheckedFacesPerPiece,
       [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
@@ -66,43 +66,45 @@ CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCe
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   control.check_cancelled();
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  first_.assign(cells.size() + 1, 0);
-  first_cell_.assign(complex_size_ + 1, 0);
-  for (const auto& [cell, t] : found) {
-    ++first_[cell + 1];
+  first_.assign(grid_cells.size() + 1, 0);
+  first_grid_cell_.assign(complex_size_ + 1, 0);
+  for (const auto& [grid_cell, t] : found) {
+    ++first_[grid_cell + 1];
     triangles_.push_back(t);
-    for (const CVertexId v : t) ++first_cell_[v + 1];
+    for (const CVertexId v : t) ++first_grid_cell_[v + 1];
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  for (std::size_t v = 1; v < first_cell_.size(); ++v) first_cell_[v] += first_cell_[v - 1];
+  for (std::size_t v = 1; v < first_grid_cell_.size(); ++v)
+    first_grid_cell_[v] += first_grid_cell_[v - 1];
   grid_cells_of_.resize(3 * found.size());
-  std::vector<std::uint32_t> next(first_cell_.begin(), first_cell_.end() - 1);
-  for (const auto& [cell, t] : found) {
-    for (const CVertexId v : t) grid_cells_of_[next[v]++] = cell;
+  std::vector<std::uint32_t> next(first_grid_cell_.begin(), first_grid_cell_.end() - 1);
+  for (const auto& [grid_cell, t] : found) {
+    for (const CVertexId v : t) grid_cells_of_[next[v]++] = grid_cell;
   }
 }
 
 std::vector<CVertexId> CheckedCells::intersecting(std::span<const CVertexId> moved,
                                                   std::span<const Vec3> positions,
                                                   const RunControl& control) const {
-  std::vector<std::uint32_t> cells;
+  std::vector<std::uint32_t> grid_cells;
   for (const CVertexId v : moved) {
     if (contains(v))
-      cells.insert(cells.end(), grid_cells_of_.begin() + first_cell_[v],
-                   grid_cells_of_.begin() + first_cell_[v + 1]);
+      grid_cells.insert(grid_cells.end(), grid_cells_of_.begin() + first_grid_cell_[v],
+                        grid_cells_of_.begin() + first_grid_cell_[v + 1]);
   }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  std::vector<std::uint8_t> intersect(cells.size(), 0);
-  for_each_piece(cells.size(), kCheckedCellsPerPiece, [&](std::size_t begin, std::size_t end) {
-    control.check_cancelled();
-    for (std::size_t i = begin; i < end; ++i)
-      intersect[i] = any_intersect(triangles(cells[i]), positions);
-  });
+  std::sort(grid_cells.begin(), grid_cells.end());
+  grid_cells.erase(std::unique(grid_cells.begin(), grid_cells.end()), grid_cells.end());
+  std::vector<std::uint8_t> intersect(grid_cells.size(), 0);
+  for_each_piece(grid_cells.size(), kCheckedGridCellsPerPiece,
+                 [&](std::size_t begin, std::size_t end) {
+                   control.check_cancelled();
+                   for (std::size_t i = begin; i < end; ++i)
+                     intersect[i] = any_intersect(triangles(grid_cells[i]), positions);
+                 });
   std::vector<CVertexId> out;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
+  for (std::size_t i = 0; i < grid_cells.size(); ++i) {
     if (!intersect[i]) continue;
-    for (const Triangle& t : triangles(cells[i])) out.insert(out.end(), t.begin(), t.end());
+    for (const Triangle& t : triangles(grid_cells[i])) out.insert(out.end(), t.begin(), t.end());
   }
   return out;
 }

@@ -18,34 +18,33 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kCellsPerPiece = 64, kCVerticesPerPiece = 16384;  // of parallel loops
-// The coordinates in a grid cell where other positions are tried, and the number of initial
+constexpr std::size_t kGridCellsPerPiece = 64, kCVerticesPerPiece = 16384;  // of parallel loops
+// Coordinates in a grid cell: other positions are tried on this lattice. The number of initial
 // placements.
 constexpr std::array kLattice{kWallMargin, 0.1, 0.25, 0.5, 0.75, 0.9, 1 - kWallMargin};
 constexpr int kAttempts = 12;
-// How far c-vertices are moved towards the centre of their surfel's border, one share after the
-// other.
+// Shares of the way from a c-vertex to the centre of the loop around its surfel, tried in order.
 constexpr std::array kShares{0.25, 0.5, 0.75, 1.0};
 
-bool is_in_cell(Vec3 p) {
+bool is_in_grid_cell(Vec3 p) {
   return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z);
 }
 
-Vec3 inside(const GridCell& cell, Vec3 p) {
+Vec3 inside(const GridCell& grid_cell, Vec3 p) {
   const auto clamp = [](double low, double x) {
     return std::clamp(x, low + kWallMargin, low + 1 - kWallMargin);
   };
-  return {clamp(cell[0], p.x), clamp(cell[1], p.y), clamp(cell[2], p.z)};
+  return {clamp(grid_cell[0], p.x), clamp(grid_cell[1], p.y), clamp(grid_cell[2], p.z)};
 }
 
 // Parsing gives the c-vertices of a grid cell consecutive ids.
-bool same_cell(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
+bool are_in_same_grid_cell(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
   const Vec3 p = complex.positions[a], q = complex.positions[b];
-  return is_in_cell(p) && is_in_cell(q) && grid_cell_of(p) == grid_cell_of(q);
+  return is_in_grid_cell(p) && is_in_grid_cell(q) && grid_cell_of(p) == grid_cell_of(q);
 }
 bool is_multi_sheet(const SurfaceComplex& complex, CVertexId v) {
-  return (v > 0 && same_cell(complex, v - 1, v)) ||
-         (v + 1 < complex.c_vertex_count() && same_cell(complex, v, v + 1));
+  return (v > 0 && are_in_same_grid_cell(complex, v - 1, v)) ||
+         (v + 1 < complex.c_vertex_count() && are_in_same_grid_cell(complex, v, v + 1));
 }
 
 }  // namespace
@@ -63,7 +62,8 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
       });
   control.check_cancelled();
   for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) {
-    if (i == 0 || !same_cell(complex, c_vertices_[i - 1], c_vertices_[i])) first_.push_back(i);
+    if (i == 0 || !are_in_same_grid_cell(complex, c_vertices_[i - 1], c_vertices_[i]))
+      first_.push_back(i);
     grid_cell_of_[c_vertices_[i]] = static_cast<std::uint32_t>(first_.size() - 1);
   }
   if (c_vertices_.empty()) return;
@@ -96,30 +96,30 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   control.check_cancelled();
   // per corner of the pieces of the last grid cell, its index there
-  std::vector<std::uint32_t> index_in_cell(subdivision.complex.c_vertex_count(), kNone);
-  std::vector<std::uint32_t> cell_of_index(index_in_cell.size(), kNone);
+  std::vector<std::uint32_t> index_in_grid_cell(subdivision.complex.c_vertex_count(), kNone);
+  std::vector<std::uint32_t> grid_cell_of_index(index_in_grid_cell.size(), kNone);
   std::vector<CVertexId> number_in_part(n, kNone);
   for (CVertexId v = 0; v < part.c_vertex.size(); ++v) number_in_part[part.c_vertex[v]] = v;
   auto piece = pieces.begin();
   first_piece_.push_back(0);
   first_wall_position_.push_back(0);
-  for (std::uint32_t cell = 0; cell + 1 < first_.size(); ++cell) {
+  for (std::uint32_t grid_cell = 0; grid_cell + 1 < first_.size(); ++grid_cell) {
     poll.step();
     std::uint32_t corners = 0;
     const auto add = [&](CVertexId v) {
-      cell_of_index[v] = cell;
-      index_in_cell[v] = corners++;
+      grid_cell_of_index[v] = grid_cell;
+      index_in_grid_cell[v] = corners++;
     };
-    for (const CVertexId v : c_vertices(cell)) add(number_in_part[v]);
-    for (; piece != pieces.end() && piece->first == cell; ++piece) {
+    for (const CVertexId v : c_vertices(grid_cell)) add(number_in_part[v]);
+    for (; piece != pieces.end() && piece->first == grid_cell; ++piece) {
       Triangle& t = pieces_.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         const CVertexId v = piece->second[k];
-        if (cell_of_index[v] != cell) {
+        if (grid_cell_of_index[v] != grid_cell) {
           add(v);
           wall_positions_.push_back(subdivision.complex.positions[v]);
         }
-        t[k] = index_in_cell[v];
+        t[k] = index_in_grid_cell[v];
       }
     }
     first_piece_.push_back(static_cast<std::uint32_t>(pieces_.size()));
@@ -130,9 +130,10 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
 // The surfels of one multi-sheet grid cell as triangles. Its c-vertices come first.
 class MultiSheetCells::Surfels {
  public:
-  Surfels(const MultiSheetCells& in, std::uint32_t cell)
-      : corners(in.c_vertices(cell).size()), triangles(in.pieces(cell)) {
-    corners.insert(corners.end(), in.wall_positions(cell).begin(), in.wall_positions(cell).end());
+  Surfels(const MultiSheetCells& in, std::uint32_t grid_cell)
+      : corners(in.c_vertices(grid_cell).size()), triangles(in.pieces(grid_cell)) {
+    corners.insert(corners.end(), in.wall_positions(grid_cell).begin(),
+                   in.wall_positions(grid_cell).end());
   }
 
   /// Number of intersecting pairs of triangles, at most `max_count`.
@@ -145,19 +146,20 @@ class MultiSheetCells::Surfels {
   std::span<const Triangle> triangles;
 };
 
-bool MultiSheetCells::surfels_intersect(std::uint32_t cell, std::span<const Vec3> positions) const {
-  Surfels surfels(*this, cell);
-  const std::span<const CVertexId> own = c_vertices(cell);
+bool MultiSheetCells::surfels_intersect(std::uint32_t grid_cell,
+                                        std::span<const Vec3> positions) const {
+  Surfels surfels(*this, grid_cell);
+  const std::span<const CVertexId> own = c_vertices(grid_cell);
   for (std::size_t k = 0; k < own.size(); ++k) surfels.corners[k] = positions[own[k]];
   return surfels.intersect();
 }
 
 // Moves one c-vertex after the other to the lattice position with the fewest intersecting pairs
-// (ties: nearest to its start), until none intersect. If that gets stuck, starts again from other
-// positions. @return whether positions without intersections were found
-bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> positions,
+// (ties: nearest to its start), until no pair intersects. If no move reduces the number of pairs,
+// starts again from other positions. @return whether positions without intersections were found
+bool MultiSheetCells::search_positions(std::uint32_t grid_cell, std::span<Vec3> positions,
                                        const RunControl& control) const {
-  Surfels surfels(*this, cell);
+  Surfels surfels(*this, grid_cell);
   const GridCell low = grid_cell_of(positions[0]);
   const std::vector<Vec3> start(positions.begin(), positions.end());
   const auto lattice = [&](std::size_t i, std::size_t j, std::size_t k) {
@@ -210,17 +212,17 @@ bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> posit
 }
 
 // Per c-vertex of the grid cell, the mean of the points around it.
-std::vector<Vec3> MultiSheetCells::centres(std::uint32_t cell) const {
+std::vector<Vec3> MultiSheetCells::centres(std::uint32_t grid_cell) const {
   std::vector<Vec3> out;
-  const auto n = static_cast<std::uint32_t>(c_vertices(cell).size());
+  const auto n = static_cast<std::uint32_t>(c_vertices(grid_cell).size());
   for (std::uint32_t own = 0; own < n; ++own) {
     Vec3 sum;
     std::size_t count = 0;
-    for (const Triangle& t : pieces(cell)) {
+    for (const Triangle& t : pieces(grid_cell)) {
       if (std::find(t.begin(), t.end(), own) == t.end()) continue;
       for (const std::uint32_t at : t) {
         if (at < n) continue;
-        sum = sum + wall_positions(cell)[at - n];
+        sum = sum + wall_positions(grid_cell)[at - n];
         ++count;
       }
     }
@@ -232,15 +234,15 @@ std::vector<Vec3> MultiSheetCells::centres(std::uint32_t cell) const {
 std::size_t MultiSheetCells::separate(SurfaceComplex& complex, const RunControl& control) {
   if (first_.empty()) return 0;
   std::atomic<std::size_t> left = 0;
-  for_each_piece(first_.size() - 1, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (auto cell = static_cast<std::uint32_t>(begin); cell < end; ++cell) {
+  for_each_piece(first_.size() - 1, kGridCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (auto grid_cell = static_cast<std::uint32_t>(begin); grid_cell < end; ++grid_cell) {
       control.check_cancelled();
-      const std::span<const CVertexId> own = c_vertices(cell);
+      const std::span<const CVertexId> own = c_vertices(grid_cell);
       std::vector<Vec3> start;
       for (const CVertexId v : own) start.push_back(complex.positions[v]);
       const auto are_separated_by = [&](auto position_of) {
         for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = position_of(k);
-        return !surfels_intersect(cell, complex.positions);
+        return !surfels_intersect(grid_cell, complex.positions);
       };
       const auto away_from_walls = [&](std::size_t k, Vec3 p) {
         return rounded(inside(grid_cell_of(start[k]), p));
@@ -248,14 +250,14 @@ std::size_t MultiSheetCells::separate(SurfaceComplex& complex, const RunControl&
       if (are_separated_by([&](std::size_t k) { return away_from_walls(k, start[k]); }) ||
           are_separated_by([&](std::size_t k) { return start[k]; }))
         continue;
-      const std::vector<Vec3> centre = centres(cell);
+      const std::vector<Vec3> centre = centres(grid_cell);
       bool separated = false;
       for (std::size_t i = 0; i < kShares.size() && !separated; ++i)
         separated = are_separated_by([&](std::size_t k) {
           return away_from_walls(k, start[k] + kShares[i] * (centre[k] - start[k]));
         });
       if (!separated) {
-        separated = search_positions(cell, start, control);
+        separated = search_positions(grid_cell, start, control);
         for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];
       }
       left += !separated;
@@ -267,21 +269,21 @@ std::size_t MultiSheetCells::separate(SurfaceComplex& complex, const RunControl&
 std::vector<CVertexId> MultiSheetCells::intersecting(std::span<const CVertexId> moved,
                                                      std::span<const Vec3> positions,
                                                      const RunControl& control) const {
-  std::vector<std::uint32_t> cells;
+  std::vector<std::uint32_t> grid_cells;
   for (const CVertexId v : moved) {
-    if (contains(v)) cells.push_back(grid_cell_of_[v]);
+    if (contains(v)) grid_cells.push_back(grid_cell_of_[v]);
   }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return collect_pieces<CVertexId>(cells.size(), kCellsPerPiece,
-                                   [&](std::size_t begin, std::size_t end, auto& out) {
-                                     control.check_cancelled();
-                                     for (std::size_t i = begin; i < end; ++i) {
-                                       if (!surfels_intersect(cells[i], positions)) continue;
-                                       const std::span<const CVertexId> own = c_vertices(cells[i]);
-                                       out.insert(out.end(), own.begin(), own.end());
-                                     }
-                                   });
+  std::sort(grid_cells.begin(), grid_cells.end());
+  grid_cells.erase(std::unique(grid_cells.begin(), grid_cells.end()), grid_cells.end());
+  return collect_pieces<CVertexId>(
+      grid_cells.size(), kGridCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+        control.check_cancelled();
+        for (std::size_t i = begin; i < end; ++i) {
+          if (!surfels_intersect(grid_cells[i], positions)) continue;
+          const std::span<const CVertexId> own = c_vertices(grid_cells[i]);
+          out.insert(out.end(), own.begin(), own.end());
+        }
+      });
 }
 
 }  // namespace isoatlas::detail

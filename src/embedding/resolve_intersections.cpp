@@ -8,7 +8,8 @@
 namespace isoatlas::detail {
 namespace {
 
-// Smaller cells count as helping while at most this share of the intersecting pairs remains.
+// Smaller Voronoi cells count as helping while at most this share of the intersecting pairs
+// remains.
 constexpr double kMaxRemainingShare = 0.7;
 
 // The vertices around which the mesh must be finer for the components to have the right orientation

@@ -19,15 +19,15 @@ class GrowingDual {
   virtual Covering& covering() = 0;
   /// Covers, and certifies what has changed.
   virtual void update() = 0;
-  /// Vertex positions per cell, in sample-index coordinates; the functions below are in the order
-  /// of the same update.
+  /// Vertex positions per Voronoi cell, in sample-index coordinates. They, the triangles and the
+  /// sites describe the dual after the last update().
   virtual std::vector<Vec3> positions() const = 0;
   virtual std::vector<Triangle> triangles() const = 0;
   virtual std::vector<CVertexId> sites_on_surface() const = 0;
   /// Repairs other faults before intersections are tested. @return whether anything has changed
   virtual bool repair_first() { return false; }
-  /// Subdivides the complex around cells that are single c-vertices. @return whether that was
-  /// possible
+  /// Subdivides the complex around Voronoi cells that are single c-vertices.
+  /// @return whether that was possible
   virtual bool subdivide(std::span<const CellId> single) = 0;
 };
 
@@ -38,16 +38,17 @@ struct ResolvedIntersections {
 
 /// Makes Voronoi cells smaller until the dual has no self-intersections and its components have the
 /// orientation and nesting of the surface. For each pair of intersecting triangles the largest of
-/// its cells becomes smaller. (All six instead: 2 to 10 % more triangles, twice as many badly
-/// shaped ones, and a quarter less time for white noise.) Where that does not help enough and cells
-/// are single c-vertices, the complex is subdivided into pieces that stay in their grid cells and
-/// so do not intersect. Subdivision comes last, since it adds half as many c-vertices again in an
-/// edge mask, and is mostly not needed. Intersections that cannot be resolved remain.
+/// its six Voronoi cells becomes smaller. (Making all six smaller gave 2 to 10 % more triangles,
+/// twice as many badly shaped ones, and took a quarter less time for white noise.) Where that does
+/// not help enough and Voronoi cells are single c-vertices, the complex is subdivided into pieces
+/// that stay in their grid cells and so do not intersect. Subdivision comes last: it adds half as
+/// many c-vertices again in an edge mask, and is mostly not needed. Intersections that cannot be
+/// resolved remain.
 ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface,
                                             IntersectionTracker& tracker,
                                             const RunControl& control);
 
-/// Those of the c-vertices around which faces can be subdivided into pieces that stay in their grid
+/// Returns the c-vertices around which faces can be subdivided into pieces that stay in their grid
 /// cells.
 std::vector<CVertexId> filter_subdividable(const AdaptiveSurface& surface,
                                            std::vector<CVertexId> c_vertices);

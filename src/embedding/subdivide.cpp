@@ -232,7 +232,7 @@ class Subdivider {
     const Vec3 node = crosses ? node_of(face) : Vec3{};
     for (int k = 0; k < size; ++k) {
       const CVertexId a = face.corner[k], b = face.corner[(k + 1) % size];
-      if (!is_marked(a, b) || (crosses && is_border(a, b))) continue;
+      if (!is_marked(a, b) || (crosses && is_on_volume_boundary(a, b))) continue;
       found.push_back({std::min(a, b), std::max(a, b), node});
     }
   }
@@ -262,9 +262,9 @@ class Subdivider {
     }
   }
 
-  // Sides along the volume's border from one grid face to the next are split at the node, together
+  // Sides along the volume boundary from one grid face to the next are split at the node, together
   // with their face.
-  bool is_border(CVertexId a, CVertexId b) const {
+  bool is_on_volume_boundary(CVertexId a, CVertexId b) const {
     return complex_.on_boundary[a] && complex_.on_boundary[b] && crosses_wall(complex_, a, b);
   }
 
@@ -297,7 +297,7 @@ class Subdivider {
     }
     const Box box = box_of(complex_, face);
     // For an edge along `axis` the corners are in one layer along it, and in two layers (or on the
-    // border) along the other axes.
+    // volume boundary) along the other axes.
     std::size_t axis = 3;
     for (std::size_t a = 0; a < 3; ++a) {
       if (box.high[a] - box.low[a] <= 1 && !edge_is_across(face, a)) axis = axis == 3 ? a : 4;
@@ -307,19 +307,19 @@ class Subdivider {
     for (std::size_t a = 0; a < 3; ++a)
       low[a] = a == axis                       ? box.low[a]
                : box.high[a] - box.low[a] == 2 ? box.low[a] + 1
-                                               : border_of(face, a);
+                                               : volume_boundary_of(face, a);
     const double t = field_.zero_on_edge(as_vector(low), static_cast<int>(axis)).value_or(0.5);
     low[axis] += std::clamp(t, kNodeMargin, 1 - kNodeMargin);
     return as_vector(low);
   }
-  // Whether some corner is on a wall normal to the axis; then the edge is on the volume's border.
+  // Whether some corner is on a wall normal to the axis; then the edge is on the volume boundary.
   bool edge_is_across(const Face& face, std::size_t axis) const {
     for (int k = 0; k < face.size(); ++k) {
       if (is_integer(as_array(complex_.positions[face.corner[k]])[axis])) return true;
     }
     return false;
   }
-  double border_of(const Face& face, std::size_t axis) const {
+  double volume_boundary_of(const Face& face, std::size_t axis) const {
     for (int k = 0; k < face.size(); ++k) {
       const double x = as_array(complex_.positions[face.corner[k]])[axis];
       if (is_integer(x)) return x;
@@ -481,15 +481,16 @@ class Subdivider {
 
   void split_around_node(FaceId f, const Face& face) {
     const Vec3 node = node_of(face);
-    bool on_border = false;
+    bool on_volume_boundary = false;
     for (int k = 0; k < 4; ++k)
-      on_border = on_border || is_border(face.corner[k], face.corner[(k + 1) % 4]);
-    const CVertexId centre = add_c_vertex(node, face.corner[0], on_border);
+      on_volume_boundary =
+          on_volume_boundary || is_on_volume_boundary(face.corner[k], face.corner[(k + 1) % 4]);
+    const CVertexId centre = add_c_vertex(node, face.corner[0], on_volume_boundary);
     bool first = true;
     for (int k = 0; k < 4; ++k) {
       const CVertexId a = face.corner[k], b = face.corner[(k + 1) % 4];
-      if (is_border(a, b)) {
-        border_nodes_.push_back({a, b, centre});
+      if (is_on_volume_boundary(a, b)) {
+        boundary_nodes_.push_back({a, b, centre});
         continue;
       }
       const CVertexId m = midpoint_of(a, b);
@@ -544,15 +545,15 @@ class Subdivider {
   }
 
   void split_boundary() {
-    std::sort(border_nodes_.begin(), border_nodes_.end());
+    std::sort(boundary_nodes_.begin(), boundary_nodes_.end());
     std::vector<BoundarySide>& boundary = out_.complex.boundary;
     const std::size_t n = boundary.size();
     for (std::size_t i = 0; i < n; ++i) {
       const BoundarySide side = boundary[i];
       CVertexId m = midpoint_of(side.from, side.to);
-      const auto at = std::lower_bound(border_nodes_.begin(), border_nodes_.end(),
+      const auto at = std::lower_bound(boundary_nodes_.begin(), boundary_nodes_.end(),
                                        std::array<CVertexId, 3>{side.from, side.to, 0});
-      if (at != border_nodes_.end() && (*at)[0] == side.from && (*at)[1] == side.to) m = (*at)[2];
+      if (at != boundary_nodes_.end() && (*at)[0] == side.from && (*at)[1] == side.to) m = (*at)[2];
       if (m == kNone) continue;
       boundary[i] = {side.from, m};
       boundary.push_back({m, side.to});
@@ -566,7 +567,7 @@ class Subdivider {
   std::vector<Target> targets_;   // per c-vertex
   std::vector<SplitSide> sides_;  // sorted by their ends; the i-th has the i-th new c-vertex
   std::vector<std::array<CVertexId, 3>>
-      border_nodes_;  // ends of a border side and the node between them
+      boundary_nodes_;  // ends of a side on the volume boundary and the node between them
   Subdivision out_;
 };
 

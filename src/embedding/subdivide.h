@@ -57,11 +57,11 @@ inline Vec3 displaced_position(const SurfaceComplex& complex, CVertexId v, Vec3 
 enum class Fineness : std::uint8_t {
   faces,   ///< some faces are as they were parsed
   fans,    ///< triangles about nodes; the part of such a triangle in one grid cell is a piece of a
-           ///< cone about the cell's c-vertex
+           ///< cone about the grid cell's c-vertex
   pieces,  ///< triangles that each lie in one grid cell, walls included
 };
 
-/// What subdivision needs besides the complex.
+/// The input of a subdivision in addition to the complex.
 struct SurfaceInGrid {
   const InterpolatedField& field;             ///< the surface is its zero set
   std::span<const std::uint8_t> multi_sheet;  ///< per c-vertex, 1 if its grid cell has several;
@@ -98,7 +98,7 @@ inline Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVer
 /// The faces around some c-vertices and around their neighbours, as a complex of its own, with ids
 /// in the same order.
 struct ComplexPart {
-  SurfaceComplex complex;           ///< the border of the part is not a boundary of the complex
+  SurfaceComplex complex;           ///< the outer sides of the part are not boundary sides of it
   std::vector<CVertexId> c_vertex;  ///< per c-vertex of the part, its id in the whole complex
   std::vector<FaceId> face;         ///< per face of the part, its id in the whole complex
   std::vector<std::uint32_t>

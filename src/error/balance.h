@@ -8,10 +8,10 @@
 
 namespace isoatlas::detail {
 
-/// Moves the vertices of some cells along the surface's normals at their anchors so that the mesh
-/// lies evenly on both sides of the surface: least squares over the distances of c-vertices from
-/// the planes of their closest triangles, by damped Jacobi sweeps. Vertices on the boundary, and
-/// those with a neighbour outside `cells`, are not moved.
+/// Moves the vertices of some cells along the surface's normals at their anchors so that errors
+/// have both signs: least squares over the distances of c-vertices from the planes of their closest
+/// triangles, by damped Jacobi sweeps. Vertices on the boundary, and vertices with a neighbour
+/// outside `cells`, are not moved.
 ///
 /// @param placement  its normal offsets are the start and the result; anchors do not change
 void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh,

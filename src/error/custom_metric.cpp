@@ -65,13 +65,13 @@ Constraint sized_by(std::function<double(Vec3)> longest_edge) {
       for (const Vec3& end : {t[1], t[2]}) {
         const double allowed = longest_edge(0.5 * (t[0] + end));
         if (!(allowed > 0))
-          throw Error(ErrorCode::bad_argument, "the sizing field is not positive everywhere");
+          throw Error(ErrorCode::bad_argument, "the edge-length field is not positive everywhere");
         largest = std::max(largest, length(end - t[0]) / allowed);
       }
     }
     return largest;
   };
-  return bounded("sizing-field", largest_ratio, 1);
+  return bounded("edge-length", largest_ratio, 1);
 }
 
 }  // namespace isoatlas

@@ -68,7 +68,7 @@ std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex,
     const Vec3& p = complex.positions[face.corner[k]];
     const std::array<double, 3> at{p.x, p.y, p.z};
     for (std::size_t a = 0; a < 3; ++a) {
-      // a coordinate on the lower border counts as in the layer outside the volume
+      // a coordinate on the lower volume boundary counts as in the layer outside the volume
       const double cell = at[a] == 0 ? -1 : std::floor(at[a]);
       lowest[a] = std::min(lowest[a], cell);
       highest[a] = std::max(highest[a], cell);

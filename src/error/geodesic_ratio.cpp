@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directional curvature 1 (paper, 3.5): geodesic over straight distance between the site and a
-// c-vertex of the cell's border, the largest. Ratio >= 1.
+// Directional curvature 1 (paper, 3.5): the largest ratio of geodesic to straight distance between
+// the site and a c-vertex on the boundary of the Voronoi cell. Ratio >= 1.
 //
 // Shortest paths in G zigzag, up to 8 % longer than geodesics even in a plane; so the section of
 // the surface above the straight line is measured as well (its points projected onto the nearest
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/vector_math.h"
-#include "error/border.h"
+#include "error/cell_boundary.h"
 #include "error/metrics.h"
 #include "error/nearest_surfel.h"
 
@@ -50,7 +50,7 @@ double geodesic_ratio(const CellView& cell) {
   std::vector<Candidate> candidates;
   for (const CVertexId v : cell.c_vertices) {
     const double straight = straight_to(v);
-    if (straight > 0 && is_on_border(cell, v))
+    if (straight > 0 && is_on_cell_boundary(cell, v))
       candidates.push_back({cell.geodesic[v] / straight, v});
   }
   std::sort(candidates.begin(), candidates.end(),

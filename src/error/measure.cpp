@@ -48,7 +48,7 @@ void check_mesh(const MeshView& mesh, Vec3 spacing) {
   }
 }
 
-// Additional sample points besides those spread by area, in the mesh's sample-index coordinates.
+// Sample points in addition to those spread by area, in the mesh's sample-index coordinates.
 class SpecialPoints {
  public:
   explicit SpecialPoints(const MeshView& mesh) : mesh_(mesh) {

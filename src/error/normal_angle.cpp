@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directional curvature 2 (paper, 3.5): the angles between the normals of consecutive c-vertices,
-// summed along the geodesic from the site to a c-vertex of the cell's border, the largest sum.
-// Degrees.
+// Directional curvature 2 (paper, 3.5): the angles between the normals of consecutive c-vertices
+// are summed along the geodesic from the site to a c-vertex on the boundary of the Voronoi cell.
+// The metric is the largest sum, in degrees.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "core/vector_math.h"
-#include "error/border.h"
+#include "error/cell_boundary.h"
 #include "error/metrics.h"
 
 namespace isoatlas::detail {
@@ -53,7 +53,7 @@ double normal_angle(const CellView& cell) {
     const double sum =
         sum_of(previous) + angle_between(cell.surfels.normal[previous], cell.surfels.normal[v]);
     sum_of(v) = sum;
-    if (sum > largest && is_on_border(cell, v)) largest = sum;
+    if (sum > largest && is_on_cell_boundary(cell, v)) largest = sum;
   }
   return largest * 180 / std::numbers::pi;
 }

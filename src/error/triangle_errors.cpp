@@ -24,10 +24,10 @@ constexpr double kSmallRadius =
 constexpr double kMinRadius = 5e-3;
 constexpr double kFarVoxels =
     2;  // in voxels; beyond this distance the field between has no significance
-constexpr std::size_t kMaxGridCells = 27;  // that a patch may intersect
-constexpr double kBorderRounding = 1e-6;   // of coordinates on the border, in grid cells
-constexpr int kMaxPieces = 64;             // of a patch's side, for the first subdivision
-constexpr int kMaxPiecesAfterTest = 4;     // once the patch was tested
+constexpr std::size_t kMaxGridCells = 27;   // that a patch may intersect
+constexpr double kBoundaryRounding = 1e-6;  // of coordinates on the volume boundary, in grid cells
+constexpr int kMaxPieces = 64;              // of a patch's side, for the first subdivision
+constexpr int kMaxPiecesAfterTest = 4;      // once the patch was tested
 
 // A metric triangle a, a + u, a + v; no point of it is farther than `radius` from its centroid.
 struct Patch {
@@ -139,12 +139,12 @@ class PatchSearch {
     return proof_ratio_between(patch, index, move - down, move + down);
   }
 
-  // Outside the volume the field is that of the nearest point of the border, so that distances
-  // would be underestimated.
+  // Outside the volume the field is that of the nearest point on the volume boundary, so
+  // that distances would be underestimated.
   bool is_in_volume(const Patch& patch) const {
     return ranges::all_of(std::array{patch.a, patch.a + patch.u, patch.a + patch.v}, [&](Vec3 p) {
       const Vec3 index = to_index(p);
-      return length(isosurface_.field().clamped(index) - index) <= kBorderRounding;
+      return length(isosurface_.field().clamped(index) - index) <= kBoundaryRounding;
     });
   }
 

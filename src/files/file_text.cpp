@@ -36,7 +36,7 @@ void FileText::seek(std::uint64_t position) {
   first_ = last_ = 0;
 }
 
-// Reads more bytes after the unread ones; false if there are none.
+// Reads more bytes after the unread ones; false at the end of the file.
 bool FileText::fill() {
   std::memmove(buffer_.data(), buffer_.data() + first_, last_ - first_);
   buffer_position_ += first_;

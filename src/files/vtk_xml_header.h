@@ -22,7 +22,7 @@ struct XmlElement {
 
   const std::string* attribute(std::string_view name) const;  ///< null if it is missing
   std::string attribute_or(std::string_view name, const std::string& otherwise) const;
-  const XmlElement* child(std::string_view name) const;  ///< the first one; null if there is none
+  const XmlElement* child(std::string_view name) const;  ///< the first one; null if it is missing
 };
 
 enum class VtkCompressor { none, zlib, lz4, lzma };

@@ -11,7 +11,7 @@
 
 namespace isoatlas::detail {
 
-/// The facing of the closed components of a mesh, see Nesting::facing; exact for all finite
+/// The orientation of the closed components of a mesh, see Nesting::facing; exact for all finite
 /// coordinates. Parameters as below.
 /// @cost  O(T); a component whose volume is so small that doubles do not determine its sign takes
 ///        about 100 times as long

@@ -69,10 +69,10 @@ bool intersect(const Simplex& a, const Simplex& b) {
 
 // Whether two convex sets that both contain the point `apex` have another point in common. If so,
 // they have a segment from `apex` in common, and the ray along it leaves one of them first, through
-// the part of its border that is not seen edge-on from `apex`: for a triangle with this corner the
-// opposite edge, for a segment the ends. This part then intersects the other set.
+// the part of its boundary that is not seen edge-on from `apex`: for a triangle with this corner
+// the opposite edge, for a segment the ends. This part then intersects the other set.
 bool intersect_beyond(const Point& apex, const Simplex& a, const Simplex& b) {
-  const auto border_intersects = [&apex](const Simplex& s, const Simplex& other) {
+  const auto boundary_intersects = [&apex](const Simplex& s, const Simplex& other) {
     if (s.size == 3) {
       Simplex edge;
       for (const Point& p : s.corner)
@@ -83,7 +83,7 @@ bool intersect_beyond(const Point& apex, const Simplex& a, const Simplex& b) {
       if (s.corner[i] != apex && intersect(other, {1, {s.corner[i]}})) return true;
     return false;
   };
-  return border_intersects(a, b) || border_intersects(b, a);
+  return boundary_intersects(a, b) || boundary_intersects(b, a);
 }
 
 // The corners of both triangles, the shared ones first.

@@ -76,7 +76,8 @@ Isosurface::FirstOrder Isosurface::evaluate(Vec3 p, InterpolatedField::Cursor& c
   return {f.value / slope, (1 / slope) * g};
 }
 
-// Removes the components of a move that would leave the volume from a point on its border.
+// Removes the components of a move that would leave the volume from a point on the volume
+// boundary.
 Vec3 Isosurface::clip_to_volume(Vec3 p, Vec3 move) const {
   const Vec3 last = to_metric(field_.last());
   const auto clip = [](double x, double end, double dx) {
@@ -93,7 +94,7 @@ std::optional<Isosurface::SurfacePoint> Isosurface::project(const Vec3 start, do
     if (std::abs(at.offset) <= kOnSurface * voxel_) return SurfacePoint{p, at.steepest};
     (at.offset > 0 ? inside : outside) = p;
     if (!std::isfinite(at.offset)) break;
-    // On the border the surface is a curve, which is reached along the border.
+    // On the volume boundary the surface is a curve, which is reached along that boundary.
     const Vec3 direction = clip_to_volume(p, -std::copysign(1.0, at.offset) * at.steepest);
     const double slope = squared_length(direction);
     if (!(slope > 1e-6)) break;
@@ -129,7 +130,8 @@ Isosurface::SurfacePoint Isosurface::slide_towards(Vec3 p, SurfacePoint surface_
     Vec3 along =
         distance_along - dot(distance_along, surface_point.steepest) * surface_point.steepest;
     const Vec3 clipped = clip_to_volume(surface_point.point, along);
-    if (!(clipped == along)) {  // on the border: move along the curve in which the surface ends
+    // On the volume boundary: move along the curve in which the surface ends.
+    if (!(clipped == along)) {
       const Vec3 wall = along - clipped, curve = normalized(cross(surface_point.steepest, wall));
       along = dot(distance_along, curve) * curve;
     }
@@ -203,10 +205,8 @@ double Isosurface::distance_upper_bound(const Vec3 index, InterpolatedField::Cur
   const double distance_along = kOvershoot * std::abs(at.offset) + kOnSurface * voxel_;
   const Vec3 end = clamped(p - std::copysign(distance_along, at.offset) * at.steepest);
   if ((at.offset >= 0) == (field_.at(to_index(end), cursor).value >= 0)) return INFINITY;
-  return std::max(
-      length(end - p),
-      length(clamped(p) -
-             p));  // outside the volume the field is that of the nearest point of the border
+  // Outside the volume the field is that of the nearest point on the volume boundary.
+  return std::max(length(end - p), length(clamped(p) - p));
 }
 
 double Isosurface::distance(const Vec3 index, double exact_above) const {

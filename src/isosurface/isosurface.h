@@ -70,7 +70,7 @@ class Isosurface {
   std::optional<Vec3> on_edge(Vec3 low, int axis) const;
 
   /// The field's direction of steepest descent, from inside to outside: of unit length in the
-  /// metric; zero where there is none.
+  /// metric; zero where the gradient is zero.
   Vec3 normal(Vec3 p) const;
 
   /// Faces as triangles with metric positions. The first side of each half of a quad is the quad's

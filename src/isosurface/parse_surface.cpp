@@ -345,8 +345,9 @@ class Parser {
           width[a] = is_in_layer(c[a], a) ? 0 : 1;
           layer |= width[a] == 0;
         }
-        // Two curves on a wall in the border are disjoint as the samples determine them. Splines
-        // may cross, so c-vertices there stay at the averages of the nodes, whose chords do not.
+        // Two curves on a wall on the volume boundary are disjoint, as the samples determine them.
+        // Splines may cross, so c-vertices there stay at the averages of the nodes, whose chords do
+        // not.
         const bool keep_average = is_cap(c) || (f.cubic && layer && loops.surfels > 1);
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
@@ -530,14 +531,14 @@ class Parser {
     const CrossedCell& cell = find_cell(c[0], c[1], c[2]);
     const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
     const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
-    const auto border = [&](std::size_t a) {
+    const auto on_volume_boundary = [&](std::size_t a) {
       return static_cast<std::uint8_t>(!options_.closed && (c[a] == 1 || c[a] == size_[a]));
     };
     const std::vector<CVertexId> corners =
         is_cut ? corners_around(axis, c) : std::vector<CVertexId>();
     return {slices_[c[2]].first_face + cell.first_face + before,
             is_cut,
-            {border(0), border(1), border(2)},
+            {on_volume_boundary(0), on_volume_boundary(1), on_volume_boundary(2)},
             axis,
             position,
             corners};
@@ -581,7 +582,7 @@ class Parser {
   const CellLoopTable& table_;
   std::vector<VerticalNode>* nodes_;  // none: nodes are not collected
   std::vector<std::uint64_t>
-      outside_row_;  // the signs of a row beyond the border of a closed surface
+      outside_row_;  // the signs of a row beyond the volume boundary, for a closed surface
 
   std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
   std::vector<CrossedCell> cells_;        // crossed cells in scan order

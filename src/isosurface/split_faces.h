@@ -15,8 +15,8 @@ struct SplitNode {
   FaceId face;
   bool is_cut;  ///< an annulus is cut there, so the face has more than four corners
   std::array<std::uint8_t, 3>
-      border;  ///< per axis, 1 if the node is on a face of the volume normal to it
-  int axis;    ///< axis of the grid edge that it is on
+      on_volume_boundary;  ///< per axis, 1 if the node is on a face of the volume normal to it
+  int axis;                ///< axis of the grid edge that it is on
   Vec3 position;
   std::vector<CVertexId>
       corners;  ///< only if it is cut: the corners of the face, counter-clockwise

@@ -351,7 +351,7 @@ std::vector<CVertexId> CoarseMesher::regions_to_split(std::span<const CellId> ce
 }
 
 // Refines around cells that are single c-vertices: splits regions into the c-vertices that they
-// represent or, if there are none to split, subdivides the faces around c-vertices of the surface.
+// represent or, if no region can be split, subdivides the faces around c-vertices of the surface.
 // @return whether anything was refined
 bool CoarseMesher::refine_single_cells(std::span<const CellId> cells, const RunControl& control) {
   const std::vector<CVertexId> to_split = regions_to_split(cells);

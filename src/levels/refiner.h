@@ -22,7 +22,7 @@ namespace isoatlas::detail {
 /// Stage two: refines a covering where metrics require it, level by level (paper, 3.4 and figure
 /// 8). Lengths are in voxels.
 ///
-/// While cells are large it works on the coarser complex, then moves to the surface itself; sites
+/// While cells are large it uses the coarser complex, then moves to the surface itself; sites
 /// keep their vertices. In every round the worst cells get a new site where they are farthest from
 /// the mesh, or a smaller radius; what has changed is covered, certified and measured again.
 class Refiner {

@@ -74,7 +74,7 @@ class RefinementRun {
   bool is_limited() const { return task_.max_sites != kNone; }
   bool has_too_few() const { return sites() < task_.min_sites; }
   // Whether vertices are only added to reach their minimum number. Then cells become smaller
-  // evenly, and none gets a site besides its own.
+  // evenly, and no cell gets a second site.
   bool is_filling(double worst) const { return has_too_few() && worst <= 1; }
   CVertexId site(CellId c) const { return covering_.partition().site[c]; }
   double excess(CellId c) const { return measured_.errors()[c].excess; }

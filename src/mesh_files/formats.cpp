@@ -42,7 +42,8 @@ constexpr std::array kMeshFormats{
     MeshFormat{".gii", io::read_gii, io::info_in_gii, io::write_gii, true, true, io::form_in_gifti},
 };
 
-// The format whose extension the file's name has, in upper or lower case; null if there is none.
+// The format whose extension the file's name has, in upper or lower case; null if the extension is
+// unknown.
 template <class Formats>
 auto find_format(const Formats& formats, const fs::path& path) -> decltype(formats.data()) {
   const auto found = std::ranges::find_if(
@@ -52,13 +53,14 @@ auto find_format(const Formats& formats, const fs::path& path) -> decltype(forma
 
 constexpr const char* kOrLevels = ", or .glb or .vtm for levels of detail";
 
-// @param besides  other formats that the caller accepts, for the message
-const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) {
+// @param other_formats  further formats that the caller accepts, for the message
+const MeshFormat& mesh_format(const fs::path& path, const std::string& other_formats) {
   const MeshFormat* format = find_format(kMeshFormats, path);
   if (format == nullptr) {
     const std::string found =
         is_hierarchy_path(path) ? "is a file of levels of detail" : "unknown mesh format";
-    throw io::unsupported(path, found + ", expected one of " + io::mesh_extensions() + besides);
+    throw io::unsupported(path,
+                          found + ", expected one of " + io::mesh_extensions() + other_formats);
   }
   return *format;
 }

@@ -32,7 +32,7 @@ TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, s
 TriangleMesh read_3mf(const std::filesystem::path& path);
 TriangleMesh read_gii(const std::filesystem::path& path);
 
-// What a file states besides the triangles.
+// Facts that a file states in addition to the triangles.
 MeshFileInfo info_in_text(const std::filesystem::path& path);  ///< .ply, .stl, .obj, .off: reads
                                                                ///< SPACE=... near the beginning
 MeshFileInfo info_in_vtp(const std::filesystem::path& path);

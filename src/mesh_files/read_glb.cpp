@@ -244,7 +244,7 @@ class Reader {
                                      : Vec3{};
   }
 
-  // The part of an object's `extras` that isoatlas wrote; null if there is none.
+  // The part of an object's `extras` that isoatlas wrote; null if it is missing.
   nlohmann::json isoatlas_extras(const std::string& extras) const {
     const nlohmann::json json = nlohmann::json::parse(extras, nullptr, false);
     return json.is_object() && json.contains("isoatlas") && json["isoatlas"].is_object()

@@ -15,7 +15,7 @@
 #include "core/vector_math.h"
 #include "embedding/subdivide.h"
 #include "error/level_mesh.h"
-#include "optimize/facing.h"
+#include "optimize/face_direction.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -85,8 +85,8 @@ class Relaxation {
     is_touched_.assign(points_.size(), 0);
     round_.assign(points_.size(), 0);
     seen_.assign(triangles_.size(), 0);
-    facing_.resize(triangles_.size());
-    is_facing_known_.assign(triangles_.size(), 0);
+    face_directions_.resize(triangles_.size());
+    is_face_direction_known_.assign(triangles_.size(), 0);
     for (int step = 0; goal_.push && step < kSteps && !active_.empty(); ++step) {
       for (const std::uint32_t t : active_) {
         poll_.step();
@@ -223,9 +223,9 @@ class Relaxation {
     return cross(at[c[1]] - at[c[0]], at[c[2]] - at[c[0]]);
   }
 
-  Vec3 facing_at_start(std::uint32_t t) {
-    if (std::exchange(is_facing_known_[t], std::uint8_t{1})) return facing_[t];
-    return facing_[t] = facing(
+  Vec3 face_direction_at_start(std::uint32_t t) {
+    if (std::exchange(is_face_direction_known_[t], std::uint8_t{1})) return face_directions_[t];
+    return face_directions_[t] = face_direction(
                t,
                [&](std::uint32_t i) {
                  const Triangle& c = triangles_[i];
@@ -249,7 +249,7 @@ class Relaxation {
     }
   }
 
-  // Reverts the corners of inverted triangles until there are none.
+  // Reverts the corners of inverted triangles until no triangle is inverted.
   void revert_inverted() {
     const std::vector<std::uint32_t> moved = moved_triangles();
     for (bool any = true; any;) {
@@ -258,7 +258,7 @@ class Relaxation {
         poll_.step();
         const Triangle& c = triangles_[t];
         if (!has_moved_corner(t)) continue;
-        if (dot(facing_at_start(t), area(t, points_)) >= 0) continue;
+        if (dot(face_direction_at_start(t), area(t, points_)) >= 0) continue;
         for (const std::uint32_t v : c) points_[v] = start_[v];
         any = true;
       }
@@ -393,7 +393,7 @@ class Relaxation {
       const Triangle& c = triangles_[t];
       const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]],
                                   c[2] == v ? p : points_[c[2]]};
-      if (dot(facing_at_start(t), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
+      if (dot(face_direction_at_start(t), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
     }
     return false;
   }
@@ -501,9 +501,9 @@ class Relaxation {
   std::vector<std::uint32_t> pushes_;           // per vertex
   std::vector<std::uint32_t> touched_;    // vertices that were moved; some may have been reverted
   std::vector<std::uint8_t> is_touched_;  // per vertex
-  std::vector<Vec3> facing_;              // per triangle, at the start, if known
-  std::vector<std::uint8_t> is_facing_known_;  // per triangle
-  std::vector<std::uint8_t> seen_;             // per triangle
+  std::vector<Vec3> face_directions_;     // per triangle, at the start, if known
+  std::vector<std::uint8_t> is_face_direction_known_;  // per triangle
+  std::vector<std::uint8_t> seen_;                     // per triangle
   std::vector<std::uint32_t> round_;  // per vertex that is to be improved, its round; 0: not yet
                                       // assigned, or not to be improved
 };

@@ -7,7 +7,7 @@
 
 #include "core/ranges.h"
 #include "core/vector_math.h"
-#include "optimize/facing.h"
+#include "optimize/face_direction.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -29,9 +29,9 @@ double ShapeChanges::score(std::uint32_t triangle) const {
   return goal_.score(a, b, c);
 }
 
-Vec3 ShapeChanges::facing_of(std::uint32_t triangle) const {
+Vec3 ShapeChanges::face_direction_of(std::uint32_t triangle) const {
   const LevelMesh& mesh = mesh_.mesh();
-  return facing(
+  return face_direction(
       triangle, [&](std::uint32_t t) { return mesh.corners(t); },
       [&](auto add) {
         for (const CellId c : mesh.triangles[triangle]) {
@@ -75,7 +75,7 @@ void ShapeChanges::find_best_flip(std::uint32_t i, std::optional<double> min_gai
     const double after = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
     if (after < required_score(std::min(score(i), score(j)), min_gain) || after <= best.score)
       continue;
-    const Vec3 n = normalized(facing_of(i) + facing_of(j));
+    const Vec3 n = normalized(face_direction_of(i) + face_direction_of(j));
     if (dot(n, normal_of(pa, pd, pc)) < kMinNormalCosine ||
         dot(n, normal_of(pd, pb, pc)) < kMinNormalCosine)
       continue;
@@ -111,7 +111,8 @@ void ShapeChanges::find_best_move(CellId cell, std::optional<double> min_gain,
       for (std::size_t k = 0; k < 3; ++k) {
         if (mesh.triangles[t][k] == cell) q[k] = p;
       }
-      if (dot(normal_of(q[0], q[1], q[2]), normalized(facing_of(t))) < kMinNormalCosine) return;
+      if (dot(normal_of(q[0], q[1], q[2]), normalized(face_direction_of(t))) < kMinNormalCosine)
+        return;
       after = std::min(after, goal_.score(q[0], q[1], q[2]));
     }
     if (after < required_score(before, min_gain) || after <= best.score) return;

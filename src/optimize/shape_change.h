@@ -52,7 +52,7 @@ class ShapeChanges {
   bool is_flippable(CellId c) const { return include_fixed_ || mesh_.placement().is_flippable(c); }
   std::pair<std::uint32_t, CellId> opposite(CellId a, CellId b) const;
   bool are_neighbours(CellId a, CellId b) const;
-  Vec3 facing_of(std::uint32_t triangle) const;
+  Vec3 face_direction_of(std::uint32_t triangle) const;
 
   const MeshEditor& mesh_;
   const ShapeGoal& goal_;

@@ -190,7 +190,7 @@ class ShapeOptimizer {
     return out;
   }
 
-  // Those of the cells that violate their bounds, the worst first.
+  // Returns the cells that violate their bounds, the worst first.
   std::vector<CellId> violating_cells(std::span<const CellId> cells) const {
     std::vector<std::pair<double, CellId>> found;
     for (const CellId c : cells) {

@@ -48,7 +48,7 @@ void revert_all(MeasuredCovering& measured, std::vector<DualTriangle>& triangles
                 const RunControl& control);
 
 /// Continues improve_shape(), also where changes were reverted, with changes that create no
-/// intersections. @pre there are none
+/// intersections. @pre the mesh has none
 /// @param tracker  may hold an earlier mesh of these cells
 void improve_shape_without_intersections(MeasuredCovering& measured, const ShapeGoal& goal,
                                          IntersectionTracker& tracker,

@@ -22,9 +22,9 @@ namespace {
 
 constexpr int kTimeoutMs = 10'000;
 constexpr const char* kNoDisplay =
-    "pictures need an X display, and there is none: set DISPLAY, or install Xvfb (Debian: xvfb)";
+    "pictures need an X display, and none was found: set DISPLAY, or install Xvfb (Debian: xvfb)";
 
-// The line in which Xvfb reports its display number; empty if there is none in time.
+// The line in which Xvfb reports its display number; empty if it does not arrive in time.
 std::string first_line(int from) {
   std::string line;
   pollfd ready{from, POLLIN, 0};

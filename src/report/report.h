@@ -61,8 +61,8 @@ struct InfoReport {
   std::vector<Isovalue> isovalues;  ///< suggested isovalues
 };
 
-/// The contents of a report besides those of ExtractReport: input, command, options, output files,
-/// and the time and memory used.
+/// The contents of a report in addition to those of ExtractReport: input, command, options, output
+/// files, and the time and memory used.
 struct ReportContext {
   VolumeReport volume;
   std::string command;  ///< the command line, quoted for a shell; empty: no command

@@ -63,7 +63,7 @@ std::size_t big_endian(std::string_view bytes, std::size_t at, std::size_t count
   return value;
 }
 
-// Reads the first frame header of a JPEG or JPEG-LS stream. False if there is none.
+// Reads the first frame header of a JPEG or JPEG-LS stream. False if the stream has none.
 bool read_jpeg_header(std::string_view stream, StreamHeader& header) {
   std::size_t at = 2;
   if (!stream.starts_with("\xFF\xD8")) {
@@ -104,7 +104,7 @@ bool read_codestream_header(std::string_view stream, StreamHeader& header) {
   return starts_at_corner && is_full;
 }
 
-// Returns a description of the problem; empty if there is none.
+// Returns a description of the problem; empty without a problem.
 std::string read_header(Family family, std::string_view stream, const DicomImage& image,
                         StreamHeader& header) {
   const bool is_read = family == Family::jpeg_2000 ? read_codestream_header(stream, header)

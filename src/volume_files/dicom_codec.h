@@ -18,7 +18,7 @@ bool can_decode(const std::string& transfer_syntax);
 std::string compression_name(const std::string& transfer_syntax);
 
 /// Sets the bits per sample from the first compressed frame, as the decoder does, and compares its
-/// size with the header's. Returns a description of the problem; empty if there is none.
+/// size with the header's. Returns a description of the problem; empty without a problem.
 std::string adapt_to_stream(DicomBytes& bytes, DicomImage& image);
 
 /// For each frame of the image, the fragments of its compressed stream. @throws Error(bad_file) if

@@ -166,7 +166,7 @@ class Collection {
     std::ranges::sort(frames_, {}, [](const DicomFrame& frame) { return frame.image->path; });
   }
 
-  /// Moves out the usable frames. @throws Error if there are none
+  /// Moves out the usable frames. @throws Error if no frame is usable
   std::vector<DicomFrame> take_frames(std::vector<std::string>& warnings) {
     leave_out_localizers();
     require_frames();

@@ -99,7 +99,7 @@ class DicomDataSet {
   std::optional<std::int64_t> integer(DicomTag tag) const;
   std::vector<DicomTag> tags(DicomTag tag) const;  ///< values that are tags
   const std::vector<DicomDataSet>& items(DicomTag tag) const;
-  const DicomDataSet* first_item(DicomTag tag) const;  ///< null if there is none
+  const DicomDataSet* first_item(DicomTag tag) const;  ///< null if it has no items
 
  private:
   const DicomAttribute* find(DicomTag tag) const;

@@ -80,7 +80,7 @@ class FrameAttributes {
   bool has_groups() const { return own_ != nullptr || shared_ != nullptr; }
   const DicomDataSet& file() const { return file_; }
 
-  /// The first item of a functional group; null if there is none.
+  /// The first item of a functional group; null if it is missing.
   const DicomDataSet* group(DicomTag sequence) const {
     for (const DicomDataSet* groups : {own_, shared_}) {
       if (groups != nullptr && groups->first_item(sequence) != nullptr) {

@@ -39,10 +39,10 @@ struct DicomImage {
   std::string transfer_syntax;
   bool is_big_endian = false;
   bool is_lossy = false;
-  std::string rescale_type;          ///< e.g. "HU"
-  std::string dose_units;            ///< of a dose grid; empty if it is not a dose grid
-  bool is_inverted_display = false;  ///< MONOCHROME1
-  std::string padding;  ///< the pixel padding value, as a number; empty if there is none
+  std::string rescale_type;           ///< e.g. "HU"
+  std::string dose_units;             ///< of a dose grid; empty if it is not a dose grid
+  bool is_inverted_display = false;   ///< MONOCHROME1
+  std::string padding;                ///< the pixel padding value, as a number; empty if not stated
   std::vector<std::string> warnings;  ///< issued if this image is read
   std::string position_source;  ///< the source of the frames' positions if the frames state none,
                                 ///< e.g. an attribute's name

@@ -60,7 +60,7 @@ struct Before {
 std::string length_text(double value) { return dicom_number(std::round(value * 1e6) / 1e6); }
 
 // Describes the first gap that differs from the median gap by more than kGapTolerance: a slice may
-// be missing. Empty if there is none.
+// be missing. Empty if all gaps are even.
 std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < frames.size(); ++i) {

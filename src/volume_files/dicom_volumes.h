@@ -24,8 +24,8 @@ DicomStack stack_of(std::vector<DicomFrame> frames);
 /// One entry of the list of series: one volume, or several at the same positions (time points,
 /// echoes).
 struct DicomSeries {
-  std::string
-      part;  ///< distinguishes it from other entries of the same series; empty if there are none
+  std::string part;  ///< distinguishes it from other entries of the same series; empty if it is the
+                     ///< only entry
   std::vector<DicomStack> volumes;
   std::vector<std::string> volume_names;  ///< e.g. "echo 2"
 

@@ -62,7 +62,7 @@ class PieceSequence {
     advance(samples, [&](std::uint64_t count) { reader_->skip(count); });
   }
 
-  /// A sentence about bytes after the samples; empty if there are none.
+  /// A sentence about bytes after the samples; empty if no bytes follow.
   std::string rest() const {
     if (rest_bytes_ == 0) {
       return "";

@@ -71,7 +71,7 @@ class StructureReader {
   bool is_big_endian_ = false, is_big_tiff_ = false;
 };
 
-/// The predictor that the directory states; 1 if there is none. Entries are sorted by tag.
+/// The predictor that the directory states; 1 if it states none. Entries are sorted by tag.
 std::uint32_t predictor_of(StructureReader& file, std::uint64_t first_entry,
                            std::uint64_t entries) {
   constexpr std::uint64_t kPredictor = 317, kShort = 3;

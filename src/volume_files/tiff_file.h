@@ -57,7 +57,7 @@ class TiffFile {
   // The following functions concern the current page.
   /// @throws Error(unsupported) for colours or sample types that cannot be read
   PageFormat format() const;
-  std::string description() const;  ///< empty if there is none
+  std::string description() const;  ///< empty if it is missing
   bool is_preview() const;          ///< true for a reduced copy or a mask of another page
   bool has_tag(std::uint32_t tag) const;
   std::string bytes_of_tag(std::uint32_t tag)

@@ -64,7 +64,7 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source);
 
 /// The pages that are not previews or masks of others, from 0. Calls `at_page` with the index of
 /// each in the result while it is the current page.
-/// @throws Error(unsupported) if there is none
+/// @throws Error(unsupported) if all pages are previews or masks
 std::vector<std::size_t> pages_without_previews(
     TiffFile& tiff, VolumeSource& source,
     const std::function<void(std::size_t index)>& at_page = {});

@@ -22,7 +22,8 @@ struct VolumeFormat {
 
 /// The format that the file's first bytes show, otherwise the format of its extension. Upper and
 /// lower case are equal.
-/// @throws Error(unsupported)  if there is none; the message names the kind of file if it is known
+/// @throws Error(unsupported)  if the format is unknown; the message names the kind of file if it
+/// is known
 const VolumeFormat& format_of(const std::filesystem::path& path);
 
 /// All extensions, separated by blanks.

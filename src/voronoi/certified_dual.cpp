@@ -48,7 +48,7 @@ class FixFinder {
         members_(covering.members()) {}
 
   // For every faulty cell: its farthest c-vertex, on the boundary if the boundary is at fault. For
-  // two cells with faulty arcs: the farthest c-vertex on their common border.
+  // two cells with faulty arcs: the farthest c-vertex on the boundary between them.
   std::vector<Fix> find(const PartitionCheck& check, const RunControl& control) const {
     std::vector<Fix> fixes(check.faulty_cells.size() + check.pair_faults.size());
     for_each_index(check.faulty_cells.size(), kFaultsPerPiece, &control, [&](std::size_t i) {
@@ -61,7 +61,7 @@ class FixFinder {
     for_each_index(check.pair_faults.size(), kFaultsPerPiece, &control, [&](std::size_t i) {
       const auto& [a, b] = check.pair_faults[i];
       Candidate best = farthest_between(a, b);
-      // All c-vertices on the common border may be sites already. If both cells are single
+      // All c-vertices on the boundary between them may be sites already. If both cells are single
       // c-vertices, both ends of their arc are in the same third cell; then the arcs between it and
       // one of the two cells are faulty as well, and it has room for a site.
       if (best.c_vertex == kNone) {

@@ -37,7 +37,7 @@ class Halving {
     DiskId disk;
     std::uint32_t next;
   };
-  // The smallest and the largest of the disks that overlap a disk; kNone if there are none. Ties go
+  // The smallest and the largest of the disks that overlap a disk; kNone if no disk does. Ties go
   // to the earlier disk.
   struct OverlappingDisks {
     DiskId smallest = kNone, largest = kNone;

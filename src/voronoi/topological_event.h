@@ -25,8 +25,8 @@ class EventFinder {
   ///                     on, no farther than the first event requires
   EventFinder(const CVertexGraph& graph, float persistence, float first_stage);
 
-  /// The radius of the largest open disk around v without an event, or `limit` if there is none
-  /// below it.
+  /// The radius of the largest open disk around v without an event, or `limit` if no event
+  /// occurs below it.
   float event_radius(CVertexId v, float limit, const RunControl& control = {});
 
  private:

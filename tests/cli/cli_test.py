@@ -859,7 +859,7 @@ class StandardStreams(ToolTest):
             self.run_tool(*options, "--report", "no/such/folder", env=environment).returncode, 2)
         self.assertEqual(self.files(), ["noise.raw"])
 
-    def test_a_pipe_that_nobody_reads(self):
+    def test_a_pipe_without_a_reader(self):
         self.put("g.raw", gyroid(32))  # more than the buffer of a pipe
         options = [
             "extract", "g.raw", "--raw-size", "32,32,32", *MANY_TRIANGLES, "--report", "r.json",

@@ -14,7 +14,7 @@ namespace isoatlas::detail::test {
 /// which is a report.
 bool is_fuzzed_format(std::string_view format);
 
-/// Reads the bytes and describes the problem of the result; empty if there is none.
+/// Reads the bytes and describes the problem of the result; empty without a problem.
 std::string find_problem_in_file(std::string_view format, std::span<const std::uint8_t> bytes);
 
 }  // namespace isoatlas::detail::test

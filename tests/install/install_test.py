@@ -196,7 +196,7 @@ class Clang(unittest.TestCase):
                 "-DISOATLAS_BUILD_TESTS=OFF", "-DISOATLAS_BUILD_PAGE=OFF")
             run(CMAKE, "--build", top / "build")
             self.assertIn("libc++", run("ldd", top / "build/src/libisoatlas.so"))
-            for example in ("consumer", "implicit_field", "sizing_field", "custom_metric"):
+            for example in ("consumer", "implicit_field", "edge_length_field", "custom_metric"):
                 run(compiler, "-std=c++20", "-stdlib=libc++", f"-I{ROOT}/include",
                     f"-I{top}/build/include", ROOT / "examples" / example / "main.cpp",
                     f"-L{top}/build/src", "-lisoatlas", f"-Wl,-rpath,{top}/build/src", "-o",

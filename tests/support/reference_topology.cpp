@@ -125,9 +125,9 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
   std::map<Place, ComponentTopology> components;
   for (const auto& [node, parent] : pieces.parent)
     components[pieces.find(node)].euler_characteristic += 1;
-  std::multimap<Place, Place> border;  // in both directions along segments on the volume's faces
+  std::multimap<Place, Place> boundary;  // in both directions along segments on the volume's faces
   for (const auto& [face, segments] : faces) {
-    const bool on_border = [&] {
+    const bool on_volume_boundary = [&] {
       for (int a = 0; a < 3; ++a) {
         if (face[a] % 2 == 0 && (face[a] == 0 || face[a] == size[a])) return true;
       }
@@ -135,9 +135,9 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
     }();
     for (const auto& [a, b] : segments) {
       components[pieces.find(a)].euler_characteristic -= 1;
-      if (on_border) {
-        border.insert({a, b});
-        border.insert({b, a});
+      if (on_volume_boundary) {
+        boundary.insert({a, b});
+        boundary.insert({b, a});
       }
     }
   }
@@ -175,16 +175,16 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
     }
   }
 
-  // Boundary loops: the connected pieces of the border graph.
+  // Boundary loops: the connected pieces of the graph of these segments.
   std::set<Place> seen;
-  for (const auto& entry : border) {
+  for (const auto& entry : boundary) {
     if (!seen.insert(entry.first).second) continue;
     components[pieces.find(entry.first)].boundary_loops += 1;
     std::vector<Place> stack{entry.first};
     while (!stack.empty()) {
       const Place at = stack.back();
       stack.pop_back();
-      const auto [begin, end] = border.equal_range(at);
+      const auto [begin, end] = boundary.equal_range(at);
       for (auto it = begin; it != end; ++it) {
         if (seen.insert(it->second).second) stack.push_back(it->second);
       }

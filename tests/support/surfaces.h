@@ -25,8 +25,8 @@ std::vector<TopologySummary::Kind> kinds_of(const TriangleMesh& mesh);
 std::string text(const std::vector<TopologySummary::Kind>& kinds);
 
 /// A flat disk of n x m c-vertices: the surface of a half-space z <= 0.5 in an n x m x 2 volume
-/// without the rim in the boundary layer. Built by hand, so that positions and weights are whole
-/// numbers. C-vertex (x, y) is x + n y.
+/// without the c-vertices in the boundary layer. Built by hand, so that positions and weights are
+/// whole numbers. C-vertex (x, y) is x + n y.
 SurfaceComplex flat_grid(std::uint32_t n, std::uint32_t m);
 /// The same, closed in x to a tube of circumference n (positions on a circle of that
 /// circumference).

@@ -389,13 +389,13 @@ def vertex_fan():
     d = Drawing(720, 230, "Fans of triangles around a vertex")
 
     def draw(centre, angles, fill):
-        rim = [
+        outer = [
             (centre[0] + 72 * math.cos(math.radians(a)), centre[1] - 72 * math.sin(math.radians(a)))
             for a in angles
         ]
-        for a, b in zip(rim, rim[1:]):
+        for a, b in zip(outer, outer[1:]):
             d.polygon([centre, a, b], fill, INK, 1.5)
-        for p in rim:
+        for p in outer:
             d.dot(p, 3.5)
 
     draw((120, 100), [20, 75, 140, 195, 255, 310, 380], FILLS[2])

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Metrics and sizing fields of the caller's own.
+// Metrics and edge-length fields of the caller's own.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -43,7 +43,7 @@ TEST(Embedded, NoSelfIntersectionsInAnyLevel) {
       for (std::size_t l = 0; l < 3; ++l) {
         SCOPED_TRACE("volume " + std::to_string(v) + ", level " + std::to_string(l));
         before += count_intersecting_pairs(allowed, l);
-        EXPECT_FALSE(allowed.report.levels[l].self_intersections.has_value()) << "nobody looked";
+        EXPECT_FALSE(allowed.report.levels[l].self_intersections.has_value()) << "not tested";
         EXPECT_EQ(count_intersecting_pairs(embedded, l), 0u);
         EXPECT_EQ(embedded.report.levels[l].self_intersections, 0u);
         EXPECT_EQ(embedded.report.levels[l].topology, embedded.report.reference);
@@ -112,7 +112,7 @@ TEST(MinAspect, BelowAThirdChangesFewerTriangles) {
   ExtractOptions options = coarse_options();
   options.allow_self_intersections = true;
   const Volume volume = to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3));
-  const auto work = [&](double aspect) {
+  const auto shape_change_count = [&](double aspect) {
     options.refine = {{{Quantity::max_distance, 0.5}, {Quantity::min_aspect, aspect}}};
     const LevelReport level = extract(volume, options).finest();
     EXPECT_EQ(level.bad_triangles.empty(),
@@ -120,10 +120,10 @@ TEST(MinAspect, BelowAThirdChangesFewerTriangles) {
         << aspect;
     return level.flips + level.moves + level.displacements;
   };
-  const std::size_t usual = work(1.0 / 3);
-  EXPECT_LT(work(0.1), usual / 2);
-  EXPECT_EQ(work(1e-6), 0u);
-  EXPECT_GT(work(0.4), usual);
+  const std::size_t usual = shape_change_count(1.0 / 3);
+  EXPECT_LT(shape_change_count(0.1), usual / 2);
+  EXPECT_EQ(shape_change_count(1e-6), 0u);
+  EXPECT_GT(shape_change_count(0.4), usual);
 }
 
 // Exactly the badly shaped triangles are listed.

@@ -156,9 +156,9 @@ TEST(Refuses, InvalidGrids) {
   expect_error(ErrorCode::bad_argument, {"type"}, bad, {});
 }
 
-// A ball of volume 1437 above a slab of 770 that the border cuts into two sheets, each with more
-// area than the ball.
-TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
+// A ball of volume 1437 above a slab of 770 that the volume boundary cuts into two sheets, each
+// with more area than the ball.
+TEST(Components, ABallIsLargerThanASlabThatTheVolumeBoundaryCuts) {
   Samples samples = sampled({20, 20, 40}, sphere({9.5, 9.5, 12}, 7));
   for (std::size_t i = 0; i < 20 * 20 * 3; ++i)
     samples.at(i % 20, i / 20 % 20, 30 + i / 400) = 1000;

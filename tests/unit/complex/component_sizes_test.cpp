@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sizes of components against closed forms, and against the same volume with a border of samples
+// Sizes of components against closed forms, and against the same volume padded with samples
 // outside.
 #include "complex/component_sizes.h"
 
@@ -70,7 +70,7 @@ TEST(ComponentSizes, OfBallsAndShells) {
   EXPECT_NEAR(std::min(shells.of(0), shells.of(1)), ball(5), 0.05 * ball(5));
 }
 
-TEST(ComponentSizes, IncludeTheCapOfTheBorder) {
+TEST(ComponentSizes, IncludeTheCapOnTheVolumeBoundary) {
   // The box below the sheet, whose sides are those of the volume: 15 x 15 x 7.5.
   const Sized sheet = sized(sampled({16, 16, 16}, half_space({0, 0, 1}, 7.5)));
   ASSERT_EQ(sheet.components.topology.size(), 1U);
@@ -112,7 +112,7 @@ TEST(ComponentSizes, AllOfTheVolumeButAHole) {
   EXPECT_NEAR(tube.of(0), 19 * 19 * 19 - std::numbers::pi * 25 * 19, 0.03 * 19 * 19 * 19);
 }
 
-// In a volume with a border of samples outside, every part is a component with the same topology,
+// In a volume padded with samples outside, every part is a component with the same topology,
 // for any samples.
 TEST(ComponentSizes, ClosedSurfacesAreThoseOfPaddedVolumes) {
   for (const Family family :

@@ -88,7 +88,7 @@ void insert_some(MeasuredCovering& work, Random& random, int count) {
   }
 }
 
-std::vector<std::vector<Constraint>> demands() {
+std::vector<std::vector<Constraint>> bound_sets() {
   return {{{Quantity::max_distance, 0.2}},
           {{Quantity::mean_distance, 0.1}, {Quantity::normal_angle, 30}},
           {{Quantity::area_curvature, 1.05}, {Quantity::area_curvature_smooth, 1.01}},
@@ -100,7 +100,7 @@ TEST(MeasuredCovering, IncrementalUpdatesEqualANewMeasurement) {
   Random random(7);
   for (const SurfaceComplex& surface : surfaces()) {
     const SurfaceData surface_data(surface);
-    for (const auto& set_bounds : demands()) {
+    for (const auto& set_bounds : bound_sets()) {
       MeasuredCovering work(surface_data, disks(8), {}, {}, {});
       CertificateReport report;
       work.set_bounds(set_bounds, Placement::surface);
@@ -166,7 +166,7 @@ TEST(MeasuredCovering, RemoveSitesRestoresTheState) {
   Random random(11);
   for (const SurfaceComplex& surface : surfaces()) {
     const SurfaceData surface_data(surface);
-    for (const auto& set_bounds : demands()) {
+    for (const auto& set_bounds : bound_sets()) {
       MeasuredCovering work(surface_data, disks(8), {}, {}, {});
       CertificateReport report;
       work.set_bounds(set_bounds, Placement::surface);
@@ -214,7 +214,7 @@ TEST(MeasuredCovering, CopiesAreIndependent) {
     const SurfaceData surface_data(surface);
     MeasuredCovering work(surface_data, disks(6), {}, {}, {});
     CertificateReport report;
-    const auto set_bounds = demands()[0];
+    const auto set_bounds = bound_sets()[0];
     work.set_bounds(set_bounds, Placement::surface);
     work.update(report, {});
     const MeasuredCovering kept(work), twin(work);

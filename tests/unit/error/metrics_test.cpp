@@ -50,8 +50,8 @@ TEST(Metrics, APlaneIsPerfect) {
     int inner = 0;
     for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
       const CellView cell = level.cell(c);
-      bool inside = true;  // at the border the mesh cuts corners, so that c-vertices there are not
-                           // above or below it
+      bool inside = true;  // at the boundary the mesh cuts corners, so that c-vertices there are
+                           // not above or below it
       for (const std::uint32_t t : level.mesh().triangles_of.row(c)) {
         for (const CellId other : level.mesh().triangles[t]) {
           inside = inside && !cell.graph.on_boundary[level.partition().site[other]];
@@ -82,7 +82,8 @@ class OnASphere : public ::testing::TestWithParam<double> {
           exact_volume({48, 48, 48}, sphere({23.4, 23.6, 23.55}, kRadius)), disk);
     return *one;
   }
-  // Of the c-vertex of the cell's border that is farthest from the site, as an angle at the centre.
+  // The angle at the centre between the site and the farthest c-vertex on the boundary of the
+  // Voronoi cell.
   static double extent(const TestLevel& level, CellId c) {
     const Vec3 centre{23.4, 23.6, 23.55};
     const Vec3 site =

@@ -17,7 +17,7 @@ namespace {
 
 using namespace test;
 
-// Smooth, anisotropic, cut by the border, with thin sheets, and noise.
+// Smooth, anisotropic, cut by the volume boundary, with thin sheets, and noise.
 std::vector<Volume> volumes() {
   std::vector<Volume> out;
   out.push_back(exact_volume({28, 28, 28}, bumpy_ball()));
@@ -57,8 +57,8 @@ TEST(GradientRange, ContainsTheGradientsOfAllPointsOfTheBox) {
         ASSERT_TRUE(range);
         for (int i = 0; i < 30; ++i) {
           const Vec3 p = between(low, high, random);
-          // The field is extended by a constant beyond the border; the gradient returned by at()
-          // does not include this.
+          // The field is extended by a constant beyond the volume boundary; the gradient returned
+          // by at() does not include this.
           const Vec3 q = between(low, high, random);
           const double change = field.at(q).value - field.at(p).value;
           double most = 1e-9, least = -1e-9;

@@ -38,7 +38,7 @@ TEST(InterpolatedField, ReproducesTrilinearFunctionsOfEveryType) {
   }
 }
 
-TEST(InterpolatedField, SamplesAndBorder) {
+TEST(InterpolatedField, SamplesAndVolumeBoundary) {
   const Volume volume = test::to_volume(
       test::random_samples(test::Family::white_noise, {3, 4, 5}, 2), SampleType::int64);
   const auto* samples = static_cast<const std::int64_t*>(volume.view.samples);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nesting and facing of components: against the parser's integers, and where doubles do not
+// Nesting and orientation of components: against the parser's integers, and where doubles do not
 // suffice.
 #include "geometry/mesh_nesting.h"
 

@@ -83,7 +83,7 @@ TEST(MeshQuality, DihedralAnglesAreThoseInside) {
   EXPECT_NEAR(mesh_quality(cube).dihedral_min, 90, 1e-12);
   EXPECT_NEAR(mesh_quality(cube).dihedral_max, 180, 1e-12);
   for (Triangle& t : cube.triangles)
-    std::swap(t[1], t[2]);  // the border of a cavity: its inside surrounds it
+    std::swap(t[1], t[2]);  // the boundary of a cavity: its inside surrounds it
   EXPECT_NEAR(mesh_quality(cube).dihedral_min, 180, 1e-12);
   EXPECT_NEAR(mesh_quality(cube).dihedral_max, 270, 1e-12);
 

@@ -170,10 +170,11 @@ TEST(Isosurface, NoiseAgainstManyPointsOfTheSurface) {
   EXPECT_LT(far, queries / 20);
 }
 
-TEST(Isosurface, EndsAtTheVolumesBorder) {
+TEST(Isosurface, EndsAtTheVolumeBoundary) {
   const Volume volume = exact_volume({8, 8, 8}, test::half_space({0.6, 0, 0.8}, 5.1));
   const Isosurface surface = isosurface_of(volume);
-  // Outside the volume: the closest point is on the border, in line with the surface there.
+  // Outside the volume: the closest point is on the volume boundary, in line with the surface
+  // there.
   for (const double beyond : {0.01, 0.5, 3.0, 40.0}) {
     const Isosurface::Hit hit = surface.closest({4.5, 7 + beyond, 3});
     EXPECT_NEAR(hit.distance, beyond, 1e-9);

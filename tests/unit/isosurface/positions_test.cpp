@@ -194,7 +194,8 @@ SurfaceComplex parsed(const Samples& samples, Interpolation interpolation) {
   return parse_surface(to_volume(samples), options);
 }
 
-// The same faces; every c-vertex in the same cell or on the same border, and no two coincide.
+// The faces are the same; every c-vertex is in the same grid cell or on the same face of the
+// volume boundary, and no two coincide.
 TEST(Positions, TricubicInterpolationMovesPointsWithinTheirCells) {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);

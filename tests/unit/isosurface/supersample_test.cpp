@@ -75,7 +75,7 @@ TEST(Supersample, TrilinearEqualsTheUpsampledVolume) {
 }
 
 // The topology is that of the whole volume upsampled; points are on the spline itself, in the same
-// cells, and boundaries on the border.
+// grid cells, and boundaries on the volume boundary.
 TEST(Supersample, TricubicEqualsTheUpsampledVolume) {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const Case c = random_case(seed, Interpolation::tricubic);

@@ -127,7 +127,7 @@ struct FieldNifti {
   std::string name;
   Vec3 spacing, origin;
   std::array<Vec3, 3> direction;
-  std::string warning;  // empty if there is none
+  std::string warning;  // empty if no warning is expected
 };
 
 TEST(FieldNifti, HaveTheIntendedGeometry) {

@@ -9,13 +9,13 @@
 
 namespace isoatlas::detail {
 
-/// The direction that a triangle faces: its area vector. For a sliver that is unreliable; then the
-/// sum over all triangles around it.
-/// @param corners  corners(t): the three corners of a triangle
-/// @param for_each_neighbour  called with a callable add(t); must call it, for every corner, with
-///                            all triangles there
+/// The direction of a triangle's front side: its area vector. The area vector of a sliver is
+/// unreliable; for a sliver this is the sum over all triangles around it.
+/// @param corners  returns the three corners of a triangle t: corners(t)
+/// @param for_each_neighbour  is called with a callable add(t); must call add(t) for all triangles
+///                            at each corner
 template <class Corners, class ForEachNeighbour>
-Vec3 facing(std::uint32_t triangle, Corners corners, ForEachNeighbour for_each_neighbour) {
+Vec3 face_direction(std::uint32_t triangle, Corners corners, ForEachNeighbour for_each_neighbour) {
   constexpr double kSliver = 0.1;  // height over the longest edge
   const auto area = [&](std::uint32_t t) {
     const std::array<Vec3, 3> q = corners(t);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A custom sizing field: short edges where a simulation needs them, long edges elsewhere.
+// A custom edge-length field: short edges where a simulation needs them, long edges elsewhere.
 #include <isoatlas/isoatlas.h>
 
 #include <cmath>
