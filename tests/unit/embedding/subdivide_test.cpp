@@ -799,5 +799,66 @@ TEST(AdaptiveSurface, FindsConflictingMoves) {
   }
 }
 
+// The c-vertices of `before` that have other faces or another position now.
+Ids changed_since(const SurfaceComplex& before, const SurfaceComplex& now) {
+  using Faces = std::vector<std::set<std::array<CVertexId, 4>>>;
+  const auto add = [](const SurfaceComplex& complex, Faces& out) {
+    for (const Face& f : complex.faces) {
+      for (int k = 0; k < f.size(); ++k) {
+        if (f.corner[k] < out.size()) out[f.corner[k]].insert(f.corner);
+      }
+    }
+  };
+  Faces was(before.c_vertex_count()), is(before.c_vertex_count());
+  add(before, was);
+  add(now, is);
+  Ids out;
+  for (CVertexId v = 0; v < before.c_vertex_count(); ++v) {
+    if (was[v] != is[v] || !(before.positions[v] == now.positions[v])) out.push_back(v);
+  }
+  return out;
+}
+
+Ids touched_by(const AdaptiveSurface& surface) {
+  Ids out(surface.touched().begin(), surface.touched().end());
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+// Splitting a point on a wall into smaller pieces first splits what is in the grid cells next to
+// it, in two steps. The second replaces faces of nodes that the first has added.
+TEST(AdaptiveSurface, TouchedCVerticesExistedBefore) {
+  AdaptiveSurface surface = Parsed(one_centre(1, -1)).adaptive();
+  surface.subdivide(Ids{0});
+  surface.subdivide(Ids{0});
+  const SurfaceComplex before = surface.complex();
+  ASSERT_EQ(before.c_vertex_count(), 8u + 3u + 3u);
+  surface.subdivide(Ids{13});
+  ASSERT_EQ(validate(surface.complex()), "");
+  EXPECT_EQ(touched_by(surface), changed_since(before, surface.complex()));
+}
+
+TEST(AdaptiveSurface, TouchedCVerticesAreThoseThatChanged) {
+  Random random(2);
+  std::size_t smaller_pieces = 0;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const Parsed p(random_samples(static_cast<Family>(seed % kFamilies), {3, 3, 4}, seed));
+    if (p.complex.positions.empty()) continue;
+    AdaptiveSurface surface = p.adaptive();
+    for (int round = 0; round < 4; ++round) {
+      const SurfaceComplex before = surface.complex();
+      const std::vector<Fineness> was = surface.fineness();
+      const Ids wanted = some_of(before, round < 2 ? 3 : 20, random);
+      for (const CVertexId v : wanted) smaller_pieces += was[v] == Fineness::pieces;
+      surface.subdivide(wanted);
+      ASSERT_EQ(validate(surface.complex()), "");
+      ASSERT_EQ(touched_by(surface), changed_since(before, surface.complex()));
+    }
+  }
+  EXPECT_GT(smaller_pieces, 5u);
+}
+
 }  // namespace
 }  // namespace isoatlas::detail
