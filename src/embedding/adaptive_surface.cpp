@@ -237,6 +237,7 @@ void AdaptiveSurface::move_off_walls(std::span<const CVertexId> wanted,
 void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted,
                                 std::span<const CVertexId> fixed) {
   const std::vector<Fineness> old_fineness = fineness();
+  const CVertexId count_before = complex_.c_vertex_count();
   touched_.clear();
   move_off_walls(wanted, fixed);
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
@@ -267,6 +268,8 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted,
   std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left),
                [&](CVertexId v) { return current[v] == old_fineness[v]; });
   subdivide_once(with_multi_sheet_grid_cells(left), current);
+  // Later steps also replace faces of c-vertices that earlier ones added.
+  std::erase_if(touched_, [&](CVertexId v) { return v >= count_before; });
   report_continuing(control_);
   update_checked_cells();
 }

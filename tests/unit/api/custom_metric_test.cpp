@@ -131,6 +131,11 @@ TEST(CustomMetric, GoesWithOtherConstraintsAndSeveralLevels) {
   EXPECT_TRUE(std::isfinite(result.reached));
 }
 
+// Was std::bad_function_call in extract().
+TEST(CustomMetric, EdgeLengthFieldWithoutFunctionIsABadArgument) {
+  EXPECT_THROW(sized_by(nullptr), Error);
+}
+
 TEST(CustomMetric, ErrorsComeThrough) {
   const auto code_of = [](const LevelGoal& goal) {
     try {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "isoatlas/error.h"
 #include "isoatlas/mesh.h"
 
 namespace isoatlas::detail {
@@ -135,6 +136,13 @@ TEST(MeshQuality, AspectRatioDoesNotDependOnScaleOrCornerOrder) {
       EXPECT_NEAR(mesh_quality(mesh).aspect_min, std::sqrt(0.94 / 4), 1e-12);
     }
   }
+}
+
+TEST(MeshQuality, CornerOutOfRangeIsABadArgument) {
+  TriangleMesh mesh;
+  mesh.positions.resize(3);
+  mesh.triangles = {{0, 1, 3}};
+  EXPECT_THROW(mesh_quality(mesh), Error);
 }
 
 }  // namespace
