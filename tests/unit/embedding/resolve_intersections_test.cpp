@@ -331,6 +331,15 @@ TEST(ResolveIntersections, EndsIfIntersectionsCannotBeResolved) {
   EXPECT_EQ(larger.updates, 3) << "as long as a cell can become smaller";
 }
 
+TEST(ResolveIntersections, ContinuesAfterASubdivisionWithoutNewSites) {
+  const Parsed p(half_space_samples());
+  ScriptedDual dual({0});
+  const ResolvedIntersections out = resolve(dual, p.surface);
+  EXPECT_EQ(dual.updates, 2);
+  EXPECT_TRUE(out.has_changed);
+  EXPECT_EQ(out.sites_for_intersections, 0u);
+}
+
 TEST(FilterSubdividable, KeepsThoseWithParsedFaces) {
   Samples samples = constant({4, 4, 4}, -3);
   samples.at(1, 1, 1) = samples.at(2, 2, 2) = 1;  // two balls, in one grid cell the c-vertices 7, 8

@@ -210,6 +210,9 @@ TEST(Subdivide, FansThenPiecesThenSmallerPieces) {
   EXPECT_TRUE(
       std::equal(parsed.positions.begin(), parsed.positions.end(), p.complex.positions.begin()));
   EXPECT_TRUE(has_only(p.fineness(), Fineness::fans));
+  const Subdivision at_node = p.subdivide({8});  // splits the sides opposite to the node
+  EXPECT_EQ(validate(at_node.complex), "");
+  EXPECT_EQ(fineness(at_node.complex, p.in())[8], Fineness::pieces);
   const Subdivision pieces = p.subdivide(all_of(p.complex));
   for (const auto& ends : pieces.between)
     EXPECT_EQ(ends, (std::array<CVertexId, 2>{kNone, kNone})) << "sides that cross walls";
