@@ -425,7 +425,7 @@ TEST(Edges, SurfacesThatAreAllBoundary) {
 }
 
 TEST(Edges, WhiteNoise) {
-  const Volume volume = to_volume(random_samples(Family::white_noise, {16, 16, 16}, 4));
+  const Volume volume = to_volume(random_samples(Family::white_noise, {12, 12, 12}, 4));
   const Extraction e = extract(volume, options_with({{{Quantity::max_distance, 0.25}}}));
   expect_sound(e, "white noise");
   EXPECT_GT(e.finest().vertices, e.report.levels[0].vertices);

@@ -301,7 +301,7 @@ TEST(Relax, KeepsItsPromisesForRandomMeshes) {
       ASSERT_LE(std::abs(plane.height(p)), std::max(0.4, was) + 1e-9) << v;
     }
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const Vec3 facing_before = corners(
+      const Vec3 facing_before = face_direction(
           t,
           [&](std::uint32_t i) {
             const Triangle& c = before.triangles[i];
@@ -394,7 +394,7 @@ class SlowSearch {
     return worst;
   }
   bool is_inverted(std::uint32_t t) const {
-    const Vec3 was = corners(
+    const Vec3 was = face_direction(
         t,
         [&](std::uint32_t i) {
           const Triangle& c = start_.triangles[i];
