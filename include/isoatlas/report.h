@@ -122,7 +122,9 @@ struct ExtractReport {
   /// complex is subdivided where triangles intersect and where a bound is violated.
   std::size_t subdivided_c_vertices = 0;
   std::size_t added_c_vertices = 0;  ///< c-vertices added by subdivision
-  int max_subdivision_depth = 0;     ///< the largest number of subdivisions of the same face
+  /// Largest depth of an added c-vertex: 1 more than that of the c-vertex around which faces were
+  /// subdivided. C-vertices of the full complex have depth 0.
+  int max_subdivision_depth = 0;
   /// Certificate of the partition into the blocks of the coarser complex; `repair_rounds` counts
   /// the rounds in which blocks were checked and cut.
   CertificateReport coarsening;

@@ -76,7 +76,8 @@ class AdaptiveSurface {
   /// Number of c-vertices around which faces were subdivided, counted each time.
   std::size_t subdivision_count() const { return subdivision_count_; }
   std::size_t added_count() const { return added_count_; }  ///< number of added c-vertices
-  int max_depth() const { return max_depth_; }  ///< largest number of subdivisions of a face
+  /// Largest depth of an added c-vertex; those from parsing have depth 0.
+  int max_depth() const { return max_depth_; }
 
  private:
   void update_checked_cells();
