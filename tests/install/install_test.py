@@ -171,7 +171,7 @@ class Subfolder(unittest.TestCase):
                 "get_target_property(type isoatlas_static TYPE)\n"
                 "message(STATUS \"type=${type} build=[${CMAKE_BUILD_TYPE}]\")\n")
             printed = run(CMAKE, "-S", top, "-B", top / "build", f"-DCMAKE_CXX_COMPILER={CXX}",
-                          "-G", "Ninja")
+                          "-DISOATLAS_UNITY_BUILD=ON", "-G", "Ninja")
             self.assertIn("type=STATIC_LIBRARY build=[]", printed)
             self.assertNotIn("VTK", printed)
             run(CMAKE, "--build", top / "build", "--target", "main")
