@@ -58,7 +58,7 @@ namespace isoatlas {
 
 Constraint sized_by(std::function<double(Vec3)> longest_edge) {
   using namespace detail;
-  require(static_cast<bool>(longest_edge), "the sizing field has no function");
+  require(static_cast<bool>(longest_edge), "the edge-length field has no function");
   const auto largest_ratio = [longest_edge = std::move(longest_edge)](const CellGeometry& cell) {
     double largest = 0;
     for (const std::array<Vec3, 3>& t : cell.triangles) {

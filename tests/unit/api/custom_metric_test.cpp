@@ -99,7 +99,7 @@ TEST(CustomMetric, BoundsTheSizeOfCells) {
   }
 }
 
-TEST(CustomMetric, SizingFieldBoundsEdgesWhereTheyAre) {
+TEST(CustomMetric, EdgeLengthFieldBoundsEdgesWhereTheyAre) {
   const Volume volume = ball();
   const auto allowed = [](Vec3 p) {
     return 0.35 + 0.35 * (p.z - (kCentre.z - 2));
