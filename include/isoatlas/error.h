@@ -9,16 +9,15 @@
 
 namespace isoatlas {
 
-/// The kind of an error. The command-line tool has an exit status for each kind
-/// (docs/reference/errors.md).
+/// The kind of an error.
 enum class ErrorCode {
-  bad_argument,   ///< an option or argument has a value outside its domain; exit status 2
-  bad_file,       ///< a file is missing, truncated, malformed or not writable; exit status 2
-  unsupported,    ///< the input is valid, but isoatlas cannot process it; exit status 2
-  empty_surface,  ///< no surface is left to mesh at this isovalue; exit status 2
-  internal,       ///< a check of the result failed: a bug, nothing is written; exit status 3
-  out_of_memory,  ///< an allocation failed; exit status 4
-  cancelled,      ///< the caller cancelled the computation; exit status 130
+  bad_argument,   ///< an option or argument has a value outside its domain
+  bad_file,       ///< a file is missing, truncated, malformed or not writable
+  unsupported,    ///< the input is valid, but isoatlas cannot process it
+  empty_surface,  ///< no surface is left to mesh at this isovalue
+  internal,       ///< a check of the result failed: a bug, no mesh is returned
+  out_of_memory,  ///< an allocation failed
+  cancelled,      ///< the caller cancelled the computation
 };
 
 /// What the caller can do about an error. The library's texts name members of its own structs; a

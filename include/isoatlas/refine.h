@@ -51,10 +51,9 @@ inline constexpr std::size_t kQuantityCount = 11;  ///< number of quantities, wi
 /// The unit of a quantity. `length`: world units; `number`: that of a custom metric.
 enum class Unit { length, ratio, degrees, count, number };
 
-/// The name on the command line: "max-distance" ... "min-aspect"; "custom" for a custom metric.
+/// The name in reports: "max-distance" ... "min-aspect"; "custom" for a custom metric.
 ISOATLAS_API std::string_view name(Quantity quantity);
-/// The quantity with a name of the command line; absent for an unknown name. `custom` has no such
-/// name.
+/// The quantity with this name; absent for an unknown name and for "custom".
 ISOATLAS_API std::optional<Quantity> quantity_named(std::string_view name);
 /// The unit of a quantity's values and bounds.
 ISOATLAS_API Unit unit(Quantity quantity);
@@ -182,7 +181,7 @@ enum class ShapeObstacle {
   none,               ///< no position within reach is better and satisfies the bounds
   earlier_level,      ///< they are vertices of an earlier level, which are fixed
   self_intersection,  ///< at other positions, triangles would intersect
-  multi_sheet,        ///< their grid cells contain several pieces of the surface
+  multi_sheet,        ///< their grid cells contain several sheets of the surface
 };
 
 }  // namespace isoatlas

@@ -19,7 +19,8 @@ struct ISOATLAS_API RunControl {
   /// thread between two reads, in all stages, in white noise of 16^3 samples. For a volume of 96^3
   /// that corresponds to 1.5e9 instructions, half a second to a second.
   const std::atomic<bool>* cancel = nullptr;
-  /// Number of threads; 0: as many as the machine has. Results do not depend on it.
+  /// Number of threads; 0: as many as the machine has. Results do not depend on it. If it is
+  /// negative, functions throw Error(bad_argument).
   int threads = 0;
 
   /// Throws Error(cancelled) if `cancel` is set.

@@ -45,27 +45,8 @@ ISOATLAS_API std::string_view name(SampleType type);
 /// The size of a sample in bytes: 1, 2, 4 or 8.
 ISOATLAS_API std::size_t bytes_per_sample(SampleType type);
 
-/// The world positions of the samples of a volume: world = origin + direction * (spacing * index).
-/// World coordinates are LPS for medical formats, as in ITK; for other formats they are those of
-/// the file.
-struct ISOATLAS_API Grid {
-  std::array<std::size_t, 3> size{};  ///< samples along x, y, z; x runs fastest in memory
-  Vec3 spacing{1, 1, 1};              ///< world distance between samples along each axis, > 0
-  Vec3 origin{};                      ///< world position of sample (0, 0, 0)
-  /// World unit vectors along the x, y and z axes of the volume: the columns of the direction
-  /// matrix.
-  std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-  LengthUnit unit = LengthUnit::unknown;  ///< unit of `spacing` and `origin`
-
-  std::size_t sample_count() const { return size[0] * size[1] * size[2]; }
-  double smallest_spacing() const;  ///< the length of one voxel (vx), in world units
-  bool mirrored() const;            ///< true if the determinant of `direction` is negative
-  Vec3 to_world(Vec3 index) const;  ///< from sample-index coordinates to world coordinates
-  Vec3 to_index(Vec3 world) const;  ///< inverse of to_world(); `direction` must not be singular
-};
-
-/// Numbers of samples along x, y and z. It can be constructed from three integers of any types;
-/// throws Error(bad_argument) if one is negative.
+/// Numbers of samples along x, y and z, or the index of a sample. It can be constructed from three
+/// integers of any types; throws Error(bad_argument) if one is negative.
 struct Size3 : std::array<std::size_t, 3> {
   Size3() : array{} {}
   Size3(const std::array<std::size_t, 3>& size) : array(size) {}
@@ -76,10 +57,29 @@ struct Size3 : std::array<std::size_t, 3> {
   template <std::integral T>
   static std::size_t from(T n) {
     if (std::cmp_less(n, 0))
-      throw Error(ErrorCode::bad_argument,
-                  "a volume cannot have " + std::to_string(n) + " samples along an axis");
+      throw Error(ErrorCode::bad_argument, "a number of samples or an index is " +
+                                               std::to_string(n) + ", expected 0 or more");
     return static_cast<std::size_t>(n);
   }
+};
+
+/// The world positions of the samples of a volume: world = origin + direction * (spacing * index).
+/// World coordinates are LPS for medical formats, as in ITK; for other formats they are those of
+/// the file.
+struct ISOATLAS_API Grid {
+  Size3 size{};           ///< samples along x, y, z; x runs fastest in memory
+  Vec3 spacing{1, 1, 1};  ///< world distance between samples along each axis, > 0
+  Vec3 origin{};          ///< world position of sample (0, 0, 0)
+  /// World unit vectors along the x, y and z axes of the volume: the columns of the direction
+  /// matrix.
+  std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  LengthUnit unit = LengthUnit::unknown;  ///< unit of `spacing` and `origin`
+
+  std::size_t sample_count() const { return size[0] * size[1] * size[2]; }
+  double smallest_spacing() const;  ///< the length of one voxel (vx), in world units
+  bool mirrored() const;            ///< true if the determinant of `direction` is negative
+  Vec3 to_world(Vec3 index) const;  ///< from sample-index coordinates to world coordinates
+  Vec3 to_index(Vec3 world) const;  ///< inverse of to_world(); `direction` must not be singular
 };
 
 /// Distances in memory from a sample to the next one along x, y and z, counted in samples; may be
@@ -146,8 +146,10 @@ struct Volume {
   VolumeView view;
   std::shared_ptr<const void> owner;
 
-  operator const VolumeView&() const& { return view; }
-  operator VolumeView() && = delete;  ///< a view of a temporary volume would outlive its samples
+  /// A temporary volume can be an argument, as in `extract(sample(f, grid), 0)`. A reference or a
+  /// view of it that is kept would outlive its samples.
+  operator const VolumeView&() const& ISOATLAS_LIFETIMEBOUND { return view; }
+  operator VolumeView() && = delete;
 };
 
 /// The range of a volume's samples, and the number of samples that are not finite.
@@ -212,3 +214,11 @@ struct SurfaceOptions {
 };
 
 }  // namespace isoatlas
+
+/// `auto [nx, ny, nz] = volume.grid.size`
+template <>
+struct std::tuple_size<isoatlas::Size3> : std::integral_constant<std::size_t, 3> {};
+template <std::size_t I>
+struct std::tuple_element<I, isoatlas::Size3> {
+  using type = std::size_t;
+};

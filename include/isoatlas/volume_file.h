@@ -19,7 +19,7 @@ namespace isoatlas {
 
 /// Layout of a file without a header. x runs fastest.
 struct RawLayout {
-  std::array<std::size_t, 3> size{};  ///< samples along x, y and z
+  Size3 size{};  ///< samples along x, y and z
   SampleType type = SampleType::uint8;
   std::array<double, 3> spacing{1, 1, 1};
   LengthUnit unit = LengthUnit::unknown;  ///< unit of `spacing`
@@ -31,7 +31,7 @@ struct RawLayout {
 struct Region {
   /// As `last`: the last sample of the axis.
   static constexpr std::size_t kEnd = static_cast<std::size_t>(-1);
-  std::array<std::size_t, 3> first{0, 0, 0}, last{kEnd, kEnd, kEnd};
+  Size3 first{0, 0, 0}, last{kEnd, kEnd, kEnd};
 };
 
 /// Options of read_volume_file(). `channel`, `time`, `layer`, `array` and `series` select a volume

@@ -14,7 +14,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 4096;  // rows per piece of a parallel loop
+constexpr std::size_t kRowsPerChunk = 4096;  // rows per piece of a parallel loop
 
 struct Corner {  // a face's corner at a c-vertex: the next and previous neighbour and the diagonal
                  // between them
@@ -137,7 +137,7 @@ std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComple
            std::equal(row.is_diagonal.begin(), row.is_diagonal.end(),
                       graph.is_diagonal.begin() + graph.first[v]);
   };
-  for_each_piece(n, kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(n, kRowsPerChunk, [&](std::size_t begin, std::size_t end) {
     if (control != nullptr) control->check_cancelled();
     GraphRowBuilder::Row row;
     for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
@@ -152,7 +152,7 @@ std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComple
   relocate_rows(graph.is_diagonal, graph.first, first, changed);
   graph.first = std::move(first);
   graph.on_boundary = complex.on_boundary;
-  for_each_piece(n, kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(n, kRowsPerChunk, [&](std::size_t begin, std::size_t end) {
     if (control != nullptr) control->check_cancelled();
     GraphRowBuilder::Row row;
     for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {

@@ -24,8 +24,8 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kFacesPerPiece = 8192,
-                      kCellsPerPiece = 16384;  // per piece of a parallel loop
+constexpr std::size_t kFacesPerChunk = 8192,
+                      kCellsPerChunk = 16384;  // per piece of a parallel loop
 constexpr std::int64_t kPieceWeight =
     std::int64_t{1} << 36;  // larger than twice the number of all c-vertices, sides or faces
 
@@ -84,7 +84,7 @@ class CompleteCheck {
 
   PartitionCheck run() {
     check_.triangles =
-        collect_pieces<DualTriangle>(complex_.faces.size(), kFacesPerPiece,
+        collect_chunks<DualTriangle>(complex_.faces.size(), kFacesPerChunk,
                                      [&](std::size_t begin, std::size_t end, auto& triangles) {
                                        control_.check_cancelled();
                                        CellCounts::Adder counts(counts_);
@@ -92,7 +92,7 @@ class CompleteCheck {
                                          count_face(complex_.faces[f], counts, triangles);
                                      });
     checked_id(3 * check_.triangles.size() + complex_.boundary.size(), "ends of arcs");
-    for_each_piece(cell_of_.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for_each_chunk(cell_of_.size(), kCellsPerChunk, [&](std::size_t begin, std::size_t end) {
       control_.check_cancelled();
       CellCounts::Adder counts(counts_);
       for (auto v = static_cast<CVertexId>(begin); v < end; ++v)
@@ -168,8 +168,8 @@ class CompleteCheck {
       for (const CellId c : t.cell) has_triangle[c] = 1;
     }
     std::atomic<std::size_t> checked = 0;
-    check_.faulty_cells = collect_pieces<FaultyCell>(
-        cells_, kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& faulty) {
+    check_.faulty_cells = collect_chunks<FaultyCell>(
+        cells_, kCellsPerChunk, [&](std::size_t begin, std::size_t end, auto& faulty) {
           control_.check_cancelled();
           std::size_t checked_here = 0;
           for (auto c = static_cast<CellId>(begin); c < end; ++c) {
@@ -214,12 +214,12 @@ class CompleteCheck {
 
   void check_all_pairs() {
     sort_ends();
-    std::vector<PartitionCheck> parts((cells_ + kCellsPerPiece - 1) / kCellsPerPiece);
+    std::vector<PartitionCheck> parts((cells_ + kCellsPerChunk - 1) / kCellsPerChunk);
     for_each_index(parts.size(), 1, &control_, [&](std::size_t i) {
-      const std::size_t last = std::min<std::size_t>(cells_, (i + 1) * kCellsPerPiece);
-      const std::uint32_t start = i == 0 ? 0 : first_[i * kCellsPerPiece - 1];
+      const std::size_t last = std::min<std::size_t>(cells_, (i + 1) * kCellsPerChunk);
+      const std::uint32_t start = i == 0 ? 0 : first_[i * kCellsPerChunk - 1];
       std::uint32_t from = start;
-      for (std::size_t c = i * kCellsPerPiece; c < last; from = first_[c++]) {
+      for (std::size_t c = i * kCellsPerChunk; c < last; from = first_[c++]) {
         if (from != first_[c])
           std::sort(ends_.begin() + from, ends_.begin() + first_[c],
                     [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });

@@ -28,7 +28,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kPerPiece = 16384;  // c-vertices or faces, of a parallel loop
+constexpr std::size_t kPerChunk = 16384;  // c-vertices or faces, of a parallel loop
 
 // The region of a c-vertex is identified by its smallest c-vertex while regions are split. There
 // are only as many rounds as halvings, and most regions are split in the first ones, so each round
@@ -48,9 +48,9 @@ class BlockRegions {
     scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
     const double smallest = std::min({s.x, s.y, s.z});
     levels_ = 1 + std::max(0, static_cast<int>(std::ceil(std::log2(block_length / smallest))));
-    for_each_index(complex.c_vertex_count(), kPerPiece,
+    for_each_index(complex.c_vertex_count(), kPerChunk,
                    [&](std::size_t v) { block_[v] = block_at(static_cast<CVertexId>(v), 0); });
-    for_each_index(complex.faces.size(), kPerPiece, [&](std::size_t f) {
+    for_each_index(complex.faces.size(), kPerChunk, [&](std::size_t f) {
       for_each_side(complex.faces[f], [&](CVertexId a, CVertexId b) {
         if (block_[a] == block_[b]) sets_.unite(a, b);
       });
@@ -93,7 +93,7 @@ class BlockRegions {
   // may have become faulty or correct.
   std::vector<std::uint8_t> near_last_split() const {
     std::vector<std::atomic<std::uint8_t>> is_near(complex_.c_vertex_count());
-    for_each_index(complex_.faces.size(), kPerPiece, [&](std::size_t f) {
+    for_each_index(complex_.faces.size(), kPerChunk, [&](std::size_t f) {
       const Face& face = complex_.faces[f];
       const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
       if (ranges::none_of(corners, [&](CVertexId v) { return was_split_[v] != 0; })) return;
@@ -105,7 +105,7 @@ class BlockRegions {
  private:
   // Splits every failed region by blocks whose side is halved `halvings` times.
   void split_failed(int halvings) {
-    for_each_index(complex_.c_vertex_count(), kPerPiece, [&](std::size_t i) {
+    for_each_index(complex_.c_vertex_count(), kPerChunk, [&](std::size_t i) {
       const auto v = static_cast<CVertexId>(i);
       was_split_[v] = failed_[region_[v]];
       if (!was_split_[v]) return;
@@ -113,7 +113,7 @@ class BlockRegions {
       level_[v] = static_cast<std::uint8_t>(std::min(level_[v] + halvings, levels_));
       block_[v] = block_at(v, level_[v]);
     });
-    for_each_index(complex_.faces.size(), kPerPiece, [&](std::size_t f) {
+    for_each_index(complex_.faces.size(), kPerChunk, [&](std::size_t f) {
       const Face& face = complex_.faces[f];
       if (!was_split_[face.corner[0]] && !was_split_[face.corner[1]] && !was_split_[face.corner[2]])
         return;
@@ -148,7 +148,7 @@ class BlockRegions {
   }
 
   void label_regions() {
-    for_each_index(complex_.c_vertex_count(), kPerPiece,
+    for_each_index(complex_.c_vertex_count(), kPerChunk,
                    [&](std::size_t v) { region_[v] = sets_.find(static_cast<CVertexId>(v)); });
     std::fill(members_.begin(), members_.end(), 0u);
     for (const CellId r : region_) ++members_[r];
@@ -233,7 +233,7 @@ std::vector<std::uint8_t> inverted_small_components(const SurfaceComplex& comple
   constexpr double kMinCosine = 0.5;  // well above 0, so that later stages can move vertices
   const std::uint32_t n = complex.c_vertex_count();
   DisjointSets sets(n);
-  for_each_index(triangles.size(), kPerPiece, [&](std::size_t i) {
+  for_each_index(triangles.size(), kPerChunk, [&](std::size_t i) {
     const DualTriangle& t = triangles[i];
     sets.unite(t.cell[0], t.cell[1]);
     sets.unite(t.cell[1], t.cell[2]);

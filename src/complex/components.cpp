@@ -7,7 +7,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kFacesToJoinPerPiece = 16384;  // faces per piece of a parallel loop
+constexpr std::size_t kFacesToJoinPerChunk = 16384;  // faces per piece of a parallel loop
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::vector<std::uint8_t> open_flags(const Components& components) {
 Components find_components(const SurfaceComplex& complex) {
   const std::uint32_t n = complex.c_vertex_count();
   DisjointSets sets(n);
-  for_each_index(complex.faces.size(), kFacesToJoinPerPiece, [&](std::size_t f) {
+  for_each_index(complex.faces.size(), kFacesToJoinPerChunk, [&](std::size_t f) {
     const Face& face = complex.faces[f];
     sets.unite(face.corner[0], face.corner[1]);
     sets.unite(face.corner[1], face.corner[2]);

@@ -8,7 +8,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "isoatlas/error.h"
 
 namespace isoatlas::detail {
 
@@ -36,6 +39,9 @@ struct ThreadLimit::State {
 };
 
 ThreadLimit::ThreadLimit(int threads) : state_(nullptr) {
+  if (threads < 0)
+    throw Error(ErrorCode::bad_argument, "the number of threads is " + std::to_string(threads) +
+                                             ", expected 0 (all processors) or more");
   if (limited != nullptr) return;
   // TBB has no more workers than this, and prints a warning if more are requested.
   const int max_threads = tbb::info::default_concurrency();
@@ -49,7 +55,7 @@ ThreadLimit::~ThreadLimit() {
   delete state_;
 }
 
-void for_each_piece(std::size_t n, std::size_t grain,
+void for_each_chunk(std::size_t n, std::size_t grain,
                     const std::function<void(std::size_t, std::size_t)>& body) {
   if (n == 0) return;
   const auto loop = [&, limit = limited] {
@@ -65,7 +71,7 @@ void for_each_piece(std::size_t n, std::size_t grain,
 }
 
 void run_both(const std::function<void()>& first, const std::function<void()>& second) {
-  for_each_piece(2, 1, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(2, 1, [&](std::size_t begin, std::size_t end) {
     if (begin == 0) first();
     if (end == 2) second();
   });

@@ -27,39 +27,39 @@ class ThreadLimit {
   State* state_;
 };
 
-/// Calls body(begin, end) on pieces of [0, n) of at most `grain` items. Exceptions thrown by a
-/// piece reach the caller.
-void for_each_piece(std::size_t n, std::size_t grain,
+/// Calls body(begin, end) on chunks of [0, n) of at most `grain` items. Exceptions thrown by a
+/// chunk reach the caller.
+void for_each_chunk(std::size_t n, std::size_t grain,
                     const std::function<void(std::size_t, std::size_t)>& body);
 
 /// Calls both, in parallel if a thread is free. Neither may depend on the other.
 void run_both(const std::function<void()>& first, const std::function<void()>& second);
 
-/// Calls body(i) for each i in [0, n), in pieces of at most `grain`.
+/// Calls body(i) for each i in [0, n), in chunks of at most `grain`.
 template <class Body>
 void for_each_index(std::size_t n, std::size_t grain, const Body& body) {
-  for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(n, grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) body(i);
   });
 }
 
-/// The same; each piece tests for cancellation before it begins. @param control  none: never
+/// The same; each chunk tests for cancellation before it begins. @param control  none: never
 /// cancelled
 template <class Body>
 void for_each_index(std::size_t n, std::size_t grain, const RunControl* control, const Body& body) {
-  for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(n, grain, [&](std::size_t begin, std::size_t end) {
     if (control != nullptr) control->check_cancelled();
     for (std::size_t i = begin; i < end; ++i) body(i);
   });
 }
 
-/// Concatenates the items that collect(begin, end, out) appends for pieces of [0, n), in the order
-/// of the pieces; the result does not depend on the number of threads.
+/// Concatenates the items that collect(begin, end, out) appends for chunks of [0, n), in the order
+/// of the chunks; the result does not depend on the number of threads.
 template <class Item, class Collect>
-std::vector<Item> collect_pieces(std::size_t n, std::size_t grain, const Collect& collect) {
+std::vector<Item> collect_chunks(std::size_t n, std::size_t grain, const Collect& collect) {
   std::vector<std::vector<Item>> found((n + grain - 1) / grain);
-  for_each_index(found.size(), 1, [&](std::size_t piece) {
-    collect(piece * grain, std::min(n, (piece + 1) * grain), found[piece]);
+  for_each_index(found.size(), 1, [&](std::size_t chunk) {
+    collect(chunk * grain, std::min(n, (chunk + 1) * grain), found[chunk]);
   });
   std::size_t count = 0;
   for (const auto& part : found) count += part.size();

@@ -22,7 +22,7 @@ struct LastReport {
   double fraction = 0, end = 0;
 };
 
-constexpr std::size_t kPiecesPerReport = 1024;
+constexpr std::size_t kChunksPerReport = 1024;
 constexpr std::string_view kContinues = "";  // stands for the current stage
 constexpr double kStep = 1.0 / 256;          // share of what the stage has left
 
@@ -61,12 +61,12 @@ RunControl with_whole_progress(const RunControl& control, std::span<const StageS
 
 void report_continuing(const RunControl& control) { control.report(kContinues, 0); }
 
-void for_each_piece_reporting(std::size_t n, std::size_t grain, const RunControl* control,
+void for_each_chunk_reporting(std::size_t n, std::size_t grain, const RunControl* control,
                               const std::function<void(std::size_t, std::size_t)>& body) {
-  const std::size_t block = kPiecesPerReport * grain;
+  const std::size_t block = kChunksPerReport * grain;
   for (std::size_t first = 0; first < n; first += block) {
     if (first > 0 && control != nullptr) report_continuing(*control);
-    for_each_piece(std::min(block, n - first), grain,
+    for_each_chunk(std::min(block, n - first), grain,
                    [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
   }
 }

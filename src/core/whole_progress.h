@@ -25,9 +25,9 @@ RunControl with_whole_progress(const RunControl& control, std::span<const StageS
 /// computation increases by a small share of what the stage has left.
 void report_continuing(const RunControl& control);
 
-/// for_each_piece() for long loops: regularly reports that the current stage continues.
+/// for_each_chunk() for long loops: regularly reports that the current stage continues.
 /// @param control  none: nothing is reported
-void for_each_piece_reporting(std::size_t n, std::size_t grain, const RunControl* control,
+void for_each_chunk_reporting(std::size_t n, std::size_t grain, const RunControl* control,
                               const std::function<void(std::size_t, std::size_t)>& body);
 
 /// Returns a control for work that is part of a stage and has reports of its own: only

@@ -25,7 +25,7 @@ int integer_coordinates(Vec3 p) {
   return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z));
 }
 
-constexpr std::size_t kPerPiece = 8192;  // c-vertices or faces, of a parallel loop
+constexpr std::size_t kPerChunk = 8192;  // c-vertices or faces, of a parallel loop
 
 // The grid cell of a face that lies in one.
 GridCell grid_cell_of_face(const SurfaceComplex& complex, const Face& face) {
@@ -51,7 +51,7 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       multi_sheet_cells_(complex_, field_, control_),
       parsed_count_(complex_.c_vertex_count()),
       depth_(parsed_count_, 0) {
-  for_each_index(parsed_count_, kPerPiece,
+  for_each_index(parsed_count_, kPerChunk,
                  [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
   original_positions_ = complex_.positions;
   report_continuing(control_);
@@ -71,7 +71,7 @@ void AdaptiveSurface::update_checked_cells() {
   std::vector<std::uint8_t> in_two_curves(n, 0);
   fixed_.assign(n, 0);
   CancelPoll poll(control_);
-  for_each_index(n, kPerPiece, &control_, [&](std::size_t i) {
+  for_each_index(n, kPerChunk, &control_, [&](std::size_t i) {
     const auto v = static_cast<CVertexId>(i);
     const int whole = integer_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
@@ -97,8 +97,8 @@ void AdaptiveSurface::update_checked_cells() {
             found.push_back(v);
         }
       };
-  std::vector<CVertexId> inside = collect_pieces<CVertexId>(
-      complex_.face_count(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+  std::vector<CVertexId> inside = collect_chunks<CVertexId>(
+      complex_.face_count(), kPerChunk, [&](std::size_t begin, std::size_t end, auto& found) {
         control_.check_cancelled();
         for (std::size_t f = begin; f < end; ++f) add_inside(complex_.faces[f], found);
       });
@@ -127,7 +127,7 @@ void AdaptiveSurface::update_checked_cells() {
   }
   sort_unique(unsplit);
   is_in_unsplit_grid_cell_.assign(n, 0);
-  for_each_index(inside.size(), kPerPiece, &control_, [&](std::size_t i) {
+  for_each_index(inside.size(), kPerChunk, &control_, [&](std::size_t i) {
     is_in_unsplit_grid_cell_[inside[i]] = std::binary_search(
         unsplit.begin(), unsplit.end(), grid_cell_of(complex_.positions[inside[i]]));
   });

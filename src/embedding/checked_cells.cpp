@@ -13,8 +13,8 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kCheckedGridCellsPerPiece = 64,
-                      kCheckedFacesPerPiece = 8192;  // of parallel loops
+constexpr std::size_t kCheckedGridCellsPerChunk = 64,
+                      kCheckedFacesPerChunk = 8192;  // of parallel loops
 
 bool any_intersect(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -42,8 +42,8 @@ CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCe
     return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z);
   };
   const std::size_t faces = grid_cells.empty() ? 0 : complex.face_count();
-  auto found = collect_pieces<Found>(
-      faces, kCheckedFacesPerPiece,
+  auto found = collect_chunks<Found>(
+      faces, kCheckedFacesPerChunk,
       [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
         control.check_cancelled();
         for (const Face& face : std::span(complex.faces).subspan(begin, end - begin)) {
@@ -95,7 +95,7 @@ std::vector<CVertexId> CheckedCells::intersecting(std::span<const CVertexId> mov
   std::sort(grid_cells.begin(), grid_cells.end());
   grid_cells.erase(std::unique(grid_cells.begin(), grid_cells.end()), grid_cells.end());
   std::vector<std::uint8_t> intersect(grid_cells.size(), 0);
-  for_each_piece(grid_cells.size(), kCheckedGridCellsPerPiece,
+  for_each_chunk(grid_cells.size(), kCheckedGridCellsPerChunk,
                  [&](std::size_t begin, std::size_t end) {
                    control.check_cancelled();
                    for (std::size_t i = begin; i < end; ++i)

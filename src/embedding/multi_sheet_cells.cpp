@@ -18,7 +18,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kGridCellsPerPiece = 64, kCVerticesPerPiece = 16384;  // of parallel loops
+constexpr std::size_t kGridCellsPerChunk = 64, kCVerticesPerChunk = 16384;  // of parallel loops
 // Coordinates in a grid cell: other positions are tried on this lattice. The number of initial
 // placements.
 constexpr std::array kLattice{kWallMargin, 0.1, 0.25, 0.5, 0.75, 0.9, 1 - kWallMargin};
@@ -53,8 +53,8 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
                                  const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   grid_cell_of_.assign(n, kNone);
-  c_vertices_ = collect_pieces<CVertexId>(
-      n, kCVerticesPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+  c_vertices_ = collect_chunks<CVertexId>(
+      n, kCVerticesPerChunk, [&](std::size_t begin, std::size_t end, auto& found) {
         control.check_cancelled();
         for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
           if (is_multi_sheet(complex, v)) found.push_back(v);
@@ -234,7 +234,7 @@ std::vector<Vec3> MultiSheetCells::centres(std::uint32_t grid_cell) const {
 std::size_t MultiSheetCells::separate(SurfaceComplex& complex, const RunControl& control) {
   if (first_.empty()) return 0;
   std::atomic<std::size_t> left = 0;
-  for_each_piece(first_.size() - 1, kGridCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(first_.size() - 1, kGridCellsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (auto grid_cell = static_cast<std::uint32_t>(begin); grid_cell < end; ++grid_cell) {
       control.check_cancelled();
       const std::span<const CVertexId> own = c_vertices(grid_cell);
@@ -275,8 +275,8 @@ std::vector<CVertexId> MultiSheetCells::intersecting(std::span<const CVertexId> 
   }
   std::sort(grid_cells.begin(), grid_cells.end());
   grid_cells.erase(std::unique(grid_cells.begin(), grid_cells.end()), grid_cells.end());
-  return collect_pieces<CVertexId>(
-      grid_cells.size(), kGridCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+  return collect_chunks<CVertexId>(
+      grid_cells.size(), kGridCellsPerChunk, [&](std::size_t begin, std::size_t end, auto& out) {
         control.check_cancelled();
         for (std::size_t i = begin; i < end; ++i) {
           if (!surfels_intersect(grid_cells[i], positions)) continue;

@@ -25,7 +25,7 @@ constexpr int kNewtonSteps = 3;
 constexpr double kShortestSplitSide =
     0.02;  // shortest side within a grid cell that is split; in sample-index units
 constexpr double kTowardsCurve = 0.75;
-constexpr std::size_t kFacesPerPiece = 4096;  // faces or sides per piece of a parallel loop
+constexpr std::size_t kFacesPerChunk = 4096;  // faces or sides per piece of a parallel loop
 
 using Point = std::array<double, 3>;
 Point as_array(Vec3 p) { return {p.x, p.y, p.z}; }
@@ -171,7 +171,7 @@ class Subdivider {
     out_.complex = complex_;
     find_sides();
     std::vector<Vec3> midpoints(sides_.size());
-    for_each_index(sides_.size(), kFacesPerPiece, in_.control,
+    for_each_index(sides_.size(), kFacesPerChunk, in_.control,
                    [&](std::size_t i) { midpoints[i] = midpoint(sides_[i]); });
     for (std::size_t i = 0; i < sides_.size(); ++i) {
       poll_.step();
@@ -240,7 +240,7 @@ class Subdivider {
   // Every marked side once, with the nodes of its one or two faces.
   void find_sides() {
     std::vector<Side> found =
-        collect_pieces<Side>(complex_.face_count(), kFacesPerPiece,
+        collect_chunks<Side>(complex_.face_count(), kFacesPerChunk,
                              [&](std::size_t begin, std::size_t end, auto& sides) {
                                if (in_.control != nullptr) in_.control->check_cancelled();
                                for (std::size_t f = begin; f < end; ++f) {
@@ -580,7 +580,7 @@ bool has_two_curves(const InterpolatedField& field, Vec3 point) {
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
   std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
   std::vector<Fineness> of_face(complex.face_count());
-  for_each_index(complex.face_count(), kFacesPerPiece, in.control,
+  for_each_index(complex.face_count(), kFacesPerChunk, in.control,
                  [&](std::size_t f) { of_face[f] = fineness_of(complex, in, complex.faces[f]); });
   CancelPoll poll(in.control);
   for (FaceId f = 0; f < complex.face_count(); ++f) {
@@ -628,8 +628,8 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
     return ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; });
   };
   const auto faces_with = [&](std::uint8_t bits) {
-    return collect_pieces<FaceId>(
-        whole.face_count(), kFacesPerPiece,
+    return collect_chunks<FaceId>(
+        whole.face_count(), kFacesPerChunk,
         [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
           if (control != nullptr) control->check_cancelled();
           for (auto f = static_cast<FaceId>(begin); f < end; ++f) {

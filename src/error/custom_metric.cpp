@@ -16,7 +16,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kMeasuredCellsPerPiece = 64;
+constexpr std::size_t kMeasuredCellsPerChunk = 64;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ double custom_value(const CustomMetric& metric, const Surfels& surfels, const Le
 
 double custom_maximum(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh) {
   std::vector<double> values(mesh.cell_count());
-  for_each_index(values.size(), kMeasuredCellsPerPiece, [&](std::size_t c) {
+  for_each_index(values.size(), kMeasuredCellsPerChunk, [&](std::size_t c) {
     values[c] = custom_value(metric, surfels, mesh, static_cast<CellId>(c));
   });
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());

@@ -15,7 +15,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kCellsPerPiece = 64;
+constexpr std::size_t kCellsPerChunk = 64;
 constexpr std::size_t kFewCVertices = 12;  // number of c-vertices of a cell that are tested first
 
 }  // namespace
@@ -26,8 +26,8 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh,
   for (std::size_t i = 0; i < cells.size(); ++i)
     first[i + 1] = first[i] + mesh.c_vertices_of.row(cells[i]).size();
   out.resize(first.back());
-  for_each_piece_reporting(
-      cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk_reporting(
+      cells.size(), kCellsPerChunk, surface.control, [&](std::size_t begin, std::size_t end) {
         surface.check_cancelled();
         TwoRing ring(mesh);
         for (std::size_t i = begin; i < end; ++i) {
@@ -133,8 +133,8 @@ std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const Le
                                         std::span<const CellId> cells, double exact_above,
                                         Thoroughness thoroughness, const FaceNodes* face_nodes) {
   std::vector<CellDistance> out(cells.size());
-  for_each_piece_reporting(
-      cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk_reporting(
+      cells.size(), kCellsPerChunk, surface.control, [&](std::size_t begin, std::size_t end) {
         surface.check_cancelled();
         TwoRing ring(mesh);
         for (std::size_t i = begin; i < end; ++i) {
@@ -169,8 +169,8 @@ std::vector<Farthest> measure_face_nodes(const MeasuredSurface& surface,
                                          std::span<const CellId> cells, double exact_above,
                                          std::vector<Farthest> farthest) {
   farthest.resize(cells.size());
-  for_each_piece_reporting(
-      cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk_reporting(
+      cells.size(), kCellsPerChunk, surface.control, [&](std::size_t begin, std::size_t end) {
         surface.check_cancelled();
         TwoRing ring(mesh);
         for (std::size_t i = begin; i < end; ++i) {

@@ -12,7 +12,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
+constexpr std::size_t kPerChunk = 2048;  // vertices or triangles, of a parallel loop
 
 void set_normal(LevelMesh& mesh, std::uint32_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);
@@ -23,7 +23,7 @@ void set_normal(LevelMesh& mesh, std::uint32_t triangle) {
 void set_normals(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-  for_each_index(triangles.size(), kPerPiece,
+  for_each_index(triangles.size(), kPerChunk,
                  [&](std::size_t i) { set_normal(mesh, triangles[i]); });
 }
 
@@ -95,7 +95,7 @@ std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfe
   mesh.normal.resize(cells);
   std::vector<std::uint32_t> changed_triangles;
   std::vector<Vec3> points(may_have_moved.size());
-  for_each_index(points.size(), kPerPiece, control,
+  for_each_index(points.size(), kPerChunk, control,
                  [&](std::size_t i) { points[i] = placement.point(surfels, may_have_moved[i]); });
   std::vector<CellId> moved_cells;
   for (std::size_t i = 0; i < points.size(); ++i) {

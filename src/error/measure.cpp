@@ -31,7 +31,7 @@ namespace {
 
 constexpr double kMaxVoxels = 1e15;  // the bounding volume hierarchy computes squares in single
                                      // precision; this leaves a margin
-constexpr std::size_t kGrain = 512;  // samples per piece of a parallel loop
+constexpr std::size_t kGrain = 512;  // samples per chunk of a parallel loop
 constexpr std::size_t kSamplesPerReport = 65536;  // samples between two reports of progress
 
 void check_mesh(const MeshView& mesh, Vec3 spacing) {
@@ -113,7 +113,7 @@ struct RefinedFaces {
     points.resize(c_vertices + faces.triangle_count());
     triangles.resize(2 * faces.triangle_count());
     checked_id(points.size(), "samples' triangles");
-    for_each_piece(faces.triangle_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for_each_chunk(faces.triangle_count(), kGrain, [&](std::size_t begin, std::size_t end) {
       control.check_cancelled();
       for (std::size_t s = begin; s < end; ++s) {
         const auto [a, b, c] = faces.corners_in(static_cast<std::uint32_t>(s));
@@ -133,13 +133,13 @@ struct RefinedFaces {
   std::vector<Triangle> triangles;
 };
 
-// Calls body(begin, end) on pieces of [0, n); reports the progress of `stage` and tests for
+// Calls body(begin, end) on chunks of [0, n); reports the progress of `stage` and tests for
 // cancellation in between.
 void for_each_sample(std::size_t n, const char* stage, const RunControl& control,
                      const std::function<void(std::size_t, std::size_t)>& body) {
   for (std::size_t done = 0; done < n; done += kSamplesPerReport) {
     control.report(stage, static_cast<double>(done) / static_cast<double>(n));
-    for_each_piece(std::min(kSamplesPerReport, n - done), kGrain,
+    for_each_chunk(std::min(kSamplesPerReport, n - done), kGrain,
                    [&](std::size_t begin, std::size_t end) {
                      control.check_cancelled();
                      body(done + begin, done + end);

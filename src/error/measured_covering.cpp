@@ -16,7 +16,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kCoveredCellsPerPiece = 64;
+constexpr std::size_t kCoveredCellsPerChunk = 64;
 
 CellView view_of(const SurfaceData& surface_data, const Covering& covering, const LevelMesh& mesh,
                  CellId cell, std::span<const ClosestPoint> closest, float from_mesh) {
@@ -372,7 +372,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   std::vector<std::size_t> first(cells.size() + 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i)
     first[i + 1] = first[i] + mesh_.c_vertices_of.row(cells[i]).size();
-  for_each_piece(cells.size(), kCoveredCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(cells.size(), kCoveredCellsPerChunk, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const CellId c = cells[i];
@@ -529,8 +529,8 @@ std::vector<MetricValues> measure_metrics(const SurfaceData& surface_data, const
                       static_cast<double>(largest), Evidence::samples, farthest, cache);
   surface_data.report_continuing();
   std::vector<MetricValues> values(n);
-  for_each_piece_reporting(
-      n, kCoveredCellsPerPiece, surface_data.control, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk_reporting(
+      n, kCoveredCellsPerChunk, surface_data.control, [&](std::size_t begin, std::size_t end) {
         surface_data.check_cancelled();
         for (std::size_t i = begin; i < end; ++i) {
           const auto c = static_cast<CellId>(i);

@@ -16,7 +16,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kProvedCellsPerPiece = 16;
+constexpr std::size_t kProvedCellsPerChunk = 16;
 constexpr double kMinBoxSize = 1.0 / 16;  // of a box, in grid cells
 constexpr double kRounding = 1e-9;        // of the field's values in a box, with a margin
 
@@ -281,7 +281,7 @@ std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface,
                                          const LevelMesh& mesh, std::span<const CellId> cell_of,
                                          std::span<const CellId> cells, double bound) {
   std::vector<Farthest> out(cells.size());
-  for_each_piece_reporting(cells.size(), kProvedCellsPerPiece, surface.control,
+  for_each_chunk_reporting(cells.size(), kProvedCellsPerChunk, surface.control,
                            [&](std::size_t begin, std::size_t end) {
                              GridCellSearch search(surface, grid_cell_index, mesh, cell_of, bound);
                              for (std::size_t i = begin; i < end; ++i) {

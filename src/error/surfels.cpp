@@ -8,7 +8,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kSurfelsPerPiece = 8192;  // c-vertices, of a parallel loop
+constexpr std::size_t kSurfelsPerChunk = 8192;  // c-vertices, of a parallel loop
 
 }  // namespace
 
@@ -18,7 +18,7 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
   out.point.resize(n);
   out.normal.resize(n);
   out.area.assign(n, 0);
-  for_each_index(n, kSurfelsPerPiece, control, [&](std::size_t v) {
+  for_each_index(n, kSurfelsPerChunk, control, [&](std::size_t v) {
     out.point[v] = to_metric(complex.positions[v], complex.spacing);
   });
   CancelPoll poll(control);
@@ -36,7 +36,7 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
       out.area[face.corner[k]] += share;
     }
   }
-  for_each_index(n, kSurfelsPerPiece, control,
+  for_each_index(n, kSurfelsPerChunk, control,
                  [&](std::size_t v) { out.normal[v] = normalized(out.normal[v]); });
   return out;
 }

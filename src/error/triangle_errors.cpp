@@ -16,7 +16,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kTrianglesPerPiece = 32;
+constexpr std::size_t kTrianglesPerChunk = 32;
 constexpr std::array kFirstRadius{
     0.45, 1.0};  // largest radius of patches that are tested, in voxels, per kind of evidence
 constexpr double kSmallRadius =
@@ -26,8 +26,8 @@ constexpr double kFarVoxels =
     2;  // in voxels; beyond this distance the field between has no significance
 constexpr std::size_t kMaxGridCells = 27;   // that a patch may intersect
 constexpr double kBoundaryRounding = 1e-6;  // of coordinates on the volume boundary, in grid cells
-constexpr int kMaxPieces = 64;              // of a patch's side, for the first subdivision
-constexpr int kMaxPiecesAfterTest = 4;      // once the patch was tested
+constexpr int kMaxParts = 64;               // of a patch's side, for the first subdivision
+constexpr int kMaxPartsAfterTest = 4;       // once the patch was tested
 
 // A metric triangle a, a + u, a + v; no point of it is farther than `radius` from its centroid.
 struct Patch {
@@ -59,7 +59,7 @@ class PatchSearch {
     while (!patches_.empty()) {
       const Patch patch = patches_.back();
       patches_.pop_back();
-      if (const int pieces = measure_and_count_pieces(patch); pieces > 1) split(patch, pieces);
+      if (const int parts = measure_and_count_parts(patch); parts > 1) split(patch, parts);
     }
   }
 
@@ -72,13 +72,13 @@ class PatchSearch {
   }
 
  private:
-  // @return into how many pieces each side of a patch must be split; 1 if nothing more is needed
-  int measure_and_count_pieces(const Patch& patch) {
+  // @return into how many parts each side of a patch must be split; 1 if nothing more is needed
+  int measure_and_count_parts(const Patch& patch) {
     const double largest = std::max(exact_above_, farthest_);
     const bool is_far = largest > kFarVoxels * voxel_;
     const double first =
         is_far ? 0.5 * largest : kFirstRadius[static_cast<std::size_t>(evidence_)] * voxel_;
-    if (patch.radius > (1 + 1e-9) * first) return pieces_of(patch.radius / first, kMaxPieces);
+    if (patch.radius > (1 + 1e-9) * first) return parts_of(patch.radius / first, kMaxParts);
     // Once a point is too far away, only larger distances at the centroids matter.
     const bool needs_proof = evidence_ == Evidence::proof && farthest_ <= exact_above_;
     const Vec3 index = to_index(patch.centroid());
@@ -86,7 +86,7 @@ class PatchSearch {
       const double ratio = proof_ratio(patch, largest);
       if (ratio <= 1) return 1;
       if (std::isfinite(ratio) && patch.radius > kSmallRadius * voxel_)
-        return pieces_of(ratio, kMaxPiecesAfterTest);
+        return parts_of(ratio, kMaxPartsAfterTest);
     } else if (!is_far) {
       const double rough = isosurface_.distance_upper_bound(index, cursor_);
       if (rough <= largest) {
@@ -102,8 +102,8 @@ class PatchSearch {
     }
     if (!needs_proof || d > exact_above_ || d + patch.radius <= exact_above_) return 1;
     if (patch.radius > kMinRadius * voxel_)
-      return pieces_of(patch.radius / std::max(exact_above_ - d, kMinRadius * voxel_),
-                       kMaxPiecesAfterTest);
+      return parts_of(patch.radius / std::max(exact_above_ - d, kMinRadius * voxel_),
+                      kMaxPartsAfterTest);
     farthest_ = d + patch.radius;  // an upper bound, since the exact value is not known
     return 1;
   }
@@ -185,19 +185,19 @@ class PatchSearch {
            largest(g.low.z, g.high.z, reach.z);
   }
 
-  static int pieces_of(double ratio, int largest) {
+  static int parts_of(double ratio, int largest) {
     return std::clamp(static_cast<int>(std::ceil(std::min(ratio, 1e6))), 2, largest);
   }
 
-  void split(const Patch& patch, int pieces) {
-    const double share = 1.0 / pieces;
+  void split(const Patch& patch, int parts) {
+    const double share = 1.0 / parts;
     const Vec3 u = share * patch.u, v = share * patch.v;
     const double radius = share * patch.radius;
-    for (int i = 0; i < pieces; ++i) {
-      for (int j = 0; i + j < pieces; ++j) {
+    for (int i = 0; i < parts; ++i) {
+      for (int j = 0; i + j < parts; ++j) {
         const Vec3 a = patch.a + static_cast<double>(i) * u + static_cast<double>(j) * v;
         patches_.push_back({a, u, v, radius});
-        if (i + j + 1 < pieces) patches_.push_back({a + u + v, -1 * u, -1 * v, radius});
+        if (i + j + 1 < parts) patches_.push_back({a + u + v, -1 * u, -1 * v, radius});
       }
     }
   }
@@ -282,8 +282,8 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh,
   }
   if (cache != nullptr) cache->resize(mesh.triangles.size());
   std::vector<TriangleError> errors(triangles.size());
-  for_each_piece_reporting(
-      triangles.size(), kTrianglesPerPiece, surface.control,
+  for_each_chunk_reporting(
+      triangles.size(), kTrianglesPerChunk, surface.control,
       [&](std::size_t begin, std::size_t end) {
         surface.check_cancelled();
         PatchSearch search(*surface.isosurface, exact_above, evidence);
@@ -291,7 +291,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh,
           const std::uint32_t t = triangles[i];
           if (evidence == Evidence::proof)
             surface
-                .check_cancelled();  // proving one triangle takes as long as sampling a whole piece
+                .check_cancelled();  // proving one triangle takes as long as sampling a whole chunk
           const TriangleError* found =
               cache != nullptr ? cache->find(mesh, t, exact_above) : nullptr;
           errors[i] =

@@ -8,7 +8,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kVerticesPerPiece = 2048;  // vertices, of a parallel loop
+constexpr std::size_t kVerticesPerChunk = 2048;  // vertices, of a parallel loop
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels,
 std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels,
                                    const VertexPlacement& placement) {
   std::vector<Vec3> out(placement.anchor.size());
-  for_each_index(out.size(), kVerticesPerPiece, [&](std::size_t c) {
+  for_each_index(out.size(), kVerticesPerChunk, [&](std::size_t c) {
     out[c] = vertex_position(complex, surfels, placement, static_cast<CellId>(c));
   });
   return out;

@@ -84,9 +84,9 @@ void classify_rows(const VolumeView& volume, const T* samples, IsInside is_insid
                    const RunControl& control, std::atomic<bool>& non_finite) {
   const auto [nx, ny, nz] = volume.grid.size;
   std::atomic<std::uint64_t> seen{0};  // bit 0: some inside, bit 1: some outside
-  for_each_piece(nz, 1, [&, nx = nx, ny = ny](std::size_t z0, std::size_t z1) {
+  for_each_chunk(nz, 1, [&, nx = nx, ny = ny](std::size_t z0, std::size_t z1) {
     std::vector<std::uint8_t> flags(out.words * 64, 0);
-    std::uint64_t piece_seen = 0;
+    std::uint64_t chunk_seen = 0;
     for (std::size_t z = z0; z < z1; ++z) {
       control.check_cancelled();
       for (std::size_t y = 0; y < ny; ++y) {
@@ -106,11 +106,11 @@ void classify_rows(const VolumeView& volume, const T* samples, IsInside is_insid
           any |= bits[w];
           all &= last >= 64 ? bits[w] : bits[w] | (~std::uint64_t{0} << last);
         }
-        if (any != 0) piece_seen |= 1;
-        if (all != ~std::uint64_t{0}) piece_seen |= 2;
+        if (any != 0) chunk_seen |= 1;
+        if (all != ~std::uint64_t{0}) chunk_seen |= 2;
       }
     }
-    seen.fetch_or(piece_seen, std::memory_order_relaxed);
+    seen.fetch_or(chunk_seen, std::memory_order_relaxed);
   });
   out.any_inside = (seen & 1) != 0;
   out.any_outside = (seen & 2) != 0;

@@ -15,7 +15,7 @@ using namespace detail;
 namespace {
 
 constexpr double kMostPerAxis = 1e6;
-constexpr std::size_t kRowsPerPiece = 16;
+constexpr std::size_t kRowsPerChunk = 16;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ Volume sample(const ScalarField& field, const Grid& grid, const RunControl& cont
           "the grid has too many samples");
   const ThreadLimit threads(control.threads);
   const std::shared_ptr<double[]> samples(new double[grid.sample_count()]);
-  for_each_index(ny * nz, kRowsPerPiece, &control, [&](std::size_t row) {
+  for_each_index(ny * nz, kRowsPerChunk, &control, [&](std::size_t row) {
     double* to = samples.get() + row * nx;
     const auto y = static_cast<double>(row % ny), z = static_cast<double>(row / ny);
     for (std::size_t x = 0; x < nx; ++x)

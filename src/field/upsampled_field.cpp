@@ -273,7 +273,7 @@ SignBits UpsampledField::classify(const RunControl& control) const {
     const auto samples_around = cubic_samples(i, n);
     for (std::size_t k = cubic ? 0 : 1; k < (cubic ? 4u : 3u); ++k) f(samples_around[k]);
   };
-  for_each_piece(nz, 1, [&, nx = nx, ny = ny, nz = nz](std::size_t z0, std::size_t z1) {
+  for_each_chunk(nz, 1, [&, nx = nx, ny = ny, nz = nz](std::size_t z0, std::size_t z1) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     std::vector<double> row(nx), low(nx * ny), high(nx * ny), row_low(nx), row_high(nx);
     std::vector<std::uint64_t> known(out.words);

@@ -14,7 +14,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kGrain = 4096;     // items per piece of a parallel loop
+constexpr std::size_t kGrain = 4096;     // items per chunk of a parallel loop
 constexpr std::size_t kLeafGrain = 64;   // leaves of the BVH, each with its candidates
 constexpr std::size_t kQueryGrain = 64;  // triangles, each with its candidates
 
@@ -41,12 +41,12 @@ Box box_of(std::span<const Vec3> positions, const Triangle& triangle) {
   return box;
 }
 
-// Calls find(begin, end, found) for pieces of [0, n), in parallel.
+// Calls find(begin, end, found) for chunks of [0, n), in parallel.
 template <class Find>
 std::vector<TrianglePair> collect(std::size_t n, std::size_t grain, const RunControl& control,
                                   const Find& find) {
   std::vector<TrianglePair> out =
-      collect_pieces<TrianglePair>(n, grain, [&](std::size_t begin, std::size_t end, auto& found) {
+      collect_chunks<TrianglePair>(n, grain, [&](std::size_t begin, std::size_t end, auto& found) {
         control.check_cancelled();
         find(begin, end, found);
       });
@@ -85,7 +85,7 @@ void CloseTriangles::add_bvh(std::vector<std::uint32_t> ids, std::span<const Vec
                              std::span<const Triangle> triangles, const RunControl& control) {
   std::vector<Vec3> corners(3 * ids.size());
   std::vector<Triangle> local(ids.size());
-  for_each_piece(ids.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(ids.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto first = static_cast<std::uint32_t>(3 * i);
@@ -118,7 +118,7 @@ std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positi
   add_bvh(std::move(ids), positions, triangles, control);
   const TriangleBvh& bvh = bvhs_.back().bvh;
   std::vector<Box> boxes(bvh.triangle_count());  // in the order of the BVH
-  for_each_piece(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot)
       boxes[slot] = box_of(positions, triangles[bvh.triangle_in(slot)]);

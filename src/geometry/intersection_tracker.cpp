@@ -13,7 +13,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
+constexpr std::size_t kPerChunk = 2048;  // vertices or triangles, of a parallel loop
 
 }  // namespace
 
@@ -24,15 +24,15 @@ std::vector<std::uint32_t> IntersectionTracker::update_mesh(std::span<const Vec3
   std::vector<std::uint8_t> moved(positions.size(), 1);
   positions_.resize(positions.size());
   output_.resize(positions.size());
-  for_each_index(positions.size(), kPerPiece, [&](std::size_t v) {
+  for_each_index(positions.size(), kPerChunk, [&](std::size_t v) {
     if (v < old_count && positions_[v] == positions[v]) {
       moved[v] = 0;
     } else {
       move(static_cast<std::uint32_t>(v), positions[v]);
     }
   });
-  std::vector<std::uint32_t> changed = collect_pieces<std::uint32_t>(
-      triangles.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+  std::vector<std::uint32_t> changed = collect_chunks<std::uint32_t>(
+      triangles.size(), kPerChunk, [&](std::size_t begin, std::size_t end, auto& found) {
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
           const Triangle& t = triangles[i];
           if (i >= triangles_.size() || triangles_[i] != t || moved[t[0]] || moved[t[1]] ||
@@ -107,8 +107,8 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
     };
     return is_changed(pair.first) || is_changed(pair.second);
   });
-  const auto without_area = collect_pieces<TrianglePair>(
-      changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+  const auto without_area = collect_chunks<TrianglePair>(
+      changed.size(), kPerChunk, [&](std::size_t begin, std::size_t end, auto& found) {
         control.check_cancelled();
         for (const std::uint32_t t : changed.subspan(begin, end - begin)) {
           if (!has_area_in_all_forms(triangles_[t])) found.emplace_back(t, t);

@@ -27,7 +27,7 @@ using Exact = CGAL::Exact_rational;
 
 int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-constexpr std::size_t kComponentsPerPiece = 16;  // components per piece of a parallel loop
+constexpr std::size_t kComponentsPerChunk = 16;  // components per chunk of a parallel loop
 
 // -------------------------------------------------------------------------------------------------
 // signs of volumes
@@ -113,7 +113,7 @@ std::vector<std::vector<std::uint32_t>> find_enclosing_components(
   std::vector<std::vector<std::uint32_t>> enclosing(components);
   if (ranges::count(is_open, std::uint8_t{0}) < 2) return enclosing;
   const TriangleBvh bvh({positions.begin(), positions.end()}, triangles, control);
-  for_each_index(components, kComponentsPerPiece, &control, [&](std::size_t c) {
+  for_each_index(components, kComponentsPerChunk, &control, [&](std::size_t c) {
     if (is_open[c] != 0 || lowest[c] == kNone) return;
     const Vec3 p = positions[lowest[c]];
     std::vector<std::uint32_t> leaves;

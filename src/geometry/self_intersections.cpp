@@ -11,6 +11,7 @@
 #include "core/ids.h"
 #include "core/parallel.h"
 #include "geometry/close_triangles.h"
+#include "geometry/require_corners.h"
 #include "geometry/triangle_pair.h"
 #include "isoatlas/error.h"
 
@@ -26,14 +27,7 @@ void check_input(std::span<const Vec3> positions, std::span<const Triangle> tria
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
       throw Error(ErrorCode::bad_argument, "vertex " + std::to_string(v) + " is not finite");
   }
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (const std::uint32_t v : triangles[t]) {
-      if (v >= positions.size())
-        throw Error(ErrorCode::bad_argument, "triangle " + std::to_string(t) + " has vertex " +
-                                                 std::to_string(v) + " of " +
-                                                 std::to_string(positions.size()));
-    }
-  }
+  require_corners({positions, triangles});
 }
 
 }  // namespace
@@ -51,9 +45,9 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions,
     std::sort(wanted.begin(), wanted.end());
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
     if (!wanted.empty() && wanted.back() >= triangles.size())
-      throw Error(ErrorCode::bad_argument, "the list has triangle " +
-                                               std::to_string(wanted.back()) + " of " +
-                                               std::to_string(triangles.size()));
+      throw Error(ErrorCode::bad_argument,
+                  "the list has triangle " + std::to_string(wanted.back()) +
+                      ", but there are only " + std::to_string(triangles.size()));
     if (wanted.empty()) return {};
   } else {
     wanted.resize(triangles.size());

@@ -8,6 +8,7 @@
 #include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
+#include "geometry/require_corners.h"
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
@@ -52,6 +53,7 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) try 
   MeshTopology out;
   const std::uint32_t n = checked_id(mesh.positions.size(), "vertices");
   checked_id(3 * mesh.triangles.size(), "triangle corners");
+  require_corners(mesh);
   out.vertices = n;
   out.triangles = mesh.triangles.size();
 
@@ -62,13 +64,6 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) try 
   CancelPoll poll(control);
   for (const Triangle& t : mesh.triangles) {
     poll.step();
-    for (const std::uint32_t v : t) {
-      if (v >= n) {
-        throw Error(ErrorCode::bad_argument, "triangle corner " + std::to_string(v) +
-                                                 " is not one of " + std::to_string(n) +
-                                                 " vertices");
-      }
-    }
     sets.unite(t[0], t[1]);
     sets.unite(t[1], t[2]);
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
@@ -159,16 +154,16 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) try 
   for (std::uint32_t v = 0; v < n; ++v) {
     if (corners[v] == 0) continue;
     poll.step();
-    DisjointSets pieces(degree[v]);
+    DisjointSets fans(degree[v]);
     std::uint32_t count = 0;
     std::uint32_t joined = 0;
     for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) {
       for (const std::uint32_t w : link[i]) {
         if (local[w] == kNone) local[w] = count++;
       }
-      const std::uint32_t a = pieces.find(local[link[i][0]]), b = pieces.find(local[link[i][1]]);
+      const std::uint32_t a = fans.find(local[link[i][0]]), b = fans.find(local[link[i][1]]);
       if (a != b) {
-        pieces.unite(a, b);
+        fans.unite(a, b);
         ++joined;
       }
     }

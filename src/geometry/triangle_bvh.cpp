@@ -17,7 +17,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kBoxesPerPiece = 4096;  // items per piece of a parallel loop
+constexpr std::size_t kBoxesPerChunk = 4096;  // items per chunk of a parallel loop
 
 // Queries compare boxes in single precision. Boxes are widened by this share of the largest
 // coordinate and squared distances to them are shortened, so that rounding never makes a box seem
@@ -48,12 +48,12 @@ class Splitter {
       return i.centre[axis] < j.centre[axis] ||
              (i.centre[axis] == j.centre[axis] && i.triangle < j.triangle);
     });
-    if (count <= 2 * kBoxesPerPiece) {
+    if (count <= 2 * kBoxesPerChunk) {
       split(first, middle, block);
       split(middle, last, block);
       return;
     }
-    for_each_piece(2, 1, [&](std::size_t begin, std::size_t end) {
+    for_each_chunk(2, 1, [&](std::size_t begin, std::size_t end) {
       control_.check_cancelled();
       if (begin == 0) split(first, middle, block);
       if (end == 2) split(middle, last, block);
@@ -94,7 +94,7 @@ TriangleBvh::TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> tri
 
 void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunControl& control) {
   std::vector<Item> items(triangles.size());
-  for_each_piece(triangles.size(), kBoxesPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(triangles.size(), kBoxesPerChunk, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (std::size_t t = begin; t < end; ++t) {
       const auto [a, b, c] = triangles[t];
@@ -108,7 +108,7 @@ void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunC
   Splitter(kLeafSize, kChildren, control).split(items.data(), items.data() + items.size(), block);
   control.check_cancelled();
   slots_.resize(triangles.size());
-  for_each_piece(triangles.size(), kBoxesPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(triangles.size(), kBoxesPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s)
       slots_[s] = {triangles[items[s].triangle], items[s].triangle};
   });
@@ -157,8 +157,8 @@ void TriangleBvh::make_boxes(const RunControl& control) {
   };
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const std::size_t boxes = level == 0 ? leaves : levels_[level - 1].nodes;
-    for_each_piece(
-        levels_[level].nodes, kBoxesPerPiece / 16, [&](std::size_t begin, std::size_t end) {
+    for_each_chunk(
+        levels_[level].nodes, kBoxesPerChunk / 16, [&](std::size_t begin, std::size_t end) {
           control.check_cancelled();
           for (std::size_t i = begin; i < end; ++i) {
             Node& node = nodes_[levels_[level].first + i];

@@ -318,11 +318,11 @@ CellLoops with_annulus(CellLoops cell, const std::vector<Loop>& loops,
   }
   const std::size_t first = cell.surfels;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const std::size_t piece = first + i, before = first + (i + a.size() - 1) % a.size();
-    assign(a[i], piece, before);
+    const std::size_t surfel = first + i, before = first + (i + a.size() - 1) % a.size();
+    assign(a[i], surfel, before);
     for (std::size_t k = cut(i); k < cut(i + 1); ++k) {
       const LoopNode& node = b[(k + rotation) % b.size()];
-      assign(node, piece, k == cut(i) ? before : piece);
+      assign(node, surfel, k == cut(i) ? before : surfel);
     }
   }
   cell.surfels = static_cast<std::uint8_t>(first + a.size());

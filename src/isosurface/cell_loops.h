@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the isosurface crosses one cell: which crossed edges (nodes) belong to which piece of surface
+// How the isosurface crosses one cell: which crossed edges (nodes) belong to which surfel
 // (surfel).
 #pragma once
 
@@ -24,7 +24,7 @@ struct CellLoops {
   std::uint8_t corners = 0;  ///< bit per corner, 1 = inside
   std::uint8_t loops = 0;    ///< number of closed loops of nodes, 0 to 4
   std::uint8_t surfels =
-      0;  ///< one per loop; with a tunnel, the pieces of the annulus instead of its two loops
+      0;  ///< one per loop; with a tunnel, the parts of the annulus instead of its two loops
   std::uint8_t ambiguous_faces = 0;  ///< bit per face with diagonal signs
   std::uint8_t joined_faces = 0;     ///< those of them whose inside corners are joined
   std::uint8_t double_faces =

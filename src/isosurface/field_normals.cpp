@@ -18,7 +18,7 @@ namespace isoatlas {
 using namespace detail;
 namespace {
 
-constexpr std::size_t kVerticesPerPiece = 1024;
+constexpr std::size_t kVerticesPerChunk = 1024;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_vol
   const double flip = space == Space::ras ? -1 : 1;
   const Vec3 last = field.last();
   const auto is_inside = [](double x, double most) { return x >= -1e-6 && x <= most + 1e-6; };
-  for_each_index(mesh.positions.size(), kVerticesPerPiece, &control, [&](std::size_t v) {
+  for_each_index(mesh.positions.size(), kVerticesPerChunk, &control, [&](std::size_t v) {
     const Vec3 index = from_space(grid, space, mesh.positions[v]);
     if (!is_inside(index.x, last.x) || !is_inside(index.y, last.y) || !is_inside(index.z, last.z))
       return;
@@ -68,7 +68,7 @@ std::vector<Vec3> vertex_normals(const MeshView& mesh, const ScalarField& field,
   if (!field.gradient) throw Error(ErrorCode::bad_argument, "the field has no gradient");
   std::vector<Vec3> out = vertex_normals(mesh);
   const double outward = inside == Inside::above ? -1 : 1;
-  for_each_index(mesh.positions.size(), kVerticesPerPiece, [&](std::size_t v) {
+  for_each_index(mesh.positions.size(), kVerticesPerChunk, [&](std::size_t v) {
     if (const Vec3 unit = normalized(outward * field.gradient(mesh.positions[v]));
         !(unit == Vec3{}))
       out[v] = unit;

@@ -106,7 +106,7 @@ class Parser {
     complex_.positions.resize(c_vertices_);
     complex_.on_boundary.assign(c_vertices_, 0);
     complex_.faces.resize(faces_);
-    for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
+    for_each_chunk(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
         control_.check_cancelled();
         place_c_vertices(cz);
@@ -175,7 +175,7 @@ class Parser {
   void find_cells() {
     const std::size_t rows_y = size_[1] + 1, slices = size_[2] + 1;
     row_first_.assign(rows_y * slices + 1, 0);
-    for_each_piece(slices, 1, [&](std::size_t z0, std::size_t z1) {
+    for_each_chunk(slices, 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
         control_.check_cancelled();
         for (std::size_t cy = 0; cy < rows_y; ++cy) {
@@ -266,7 +266,7 @@ class Parser {
   }
 
   void classify_cells() {
-    for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
+    for_each_chunk(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
         control_.check_cancelled();
         Slice& slice = slices_[cz];

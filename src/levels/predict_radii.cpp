@@ -15,7 +15,7 @@ namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kGrain = 2048,
-                      kCancelInterval = 32;  // c-vertices per piece; between tests for cancellation
+                      kCancelInterval = 32;  // c-vertices per chunk; between tests for cancellation
 // Radius of the neighbourhood in distances to the farthest neighbour in G: large enough that noise
 // of less than a voxel does not look like curvature.
 constexpr double kNeighbourhoodRadius = 2.5;
@@ -69,7 +69,7 @@ class Neighbourhood {
 std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data,
                                             std::span<const CVertexId> at, double bound) {
   std::vector<Covering::Radius> out(at.size());
-  for_each_piece(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  for_each_chunk(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Neighbourhood neighbourhood(surface_data);
     for (std::size_t i = begin; i < end; ++i) {
       if (i % kCancelInterval == 0) surface_data.check_cancelled();

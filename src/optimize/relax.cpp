@@ -34,8 +34,8 @@ constexpr int kSearchPasses = 4;
 constexpr double kMinRelaxationGain = 2e-3;
 constexpr double kSeparationWeight =
     0.5;  // an edge of length 0 counts half as bad as a triangle of aspect 0
-constexpr std::size_t kTrianglesPerPiece = 4096;  // triangles, of a parallel loop
-constexpr std::size_t kFewPerPiece = 64;  // vertices or triangles, each with its neighbourhood
+constexpr std::size_t kTrianglesPerChunk = 4096;  // triangles, of a parallel loop
+constexpr std::size_t kFewPerChunk = 64;  // vertices or triangles, each with its neighbourhood
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
 constexpr double kMinVolumeShare =
@@ -71,8 +71,8 @@ class Relaxation {
         triangles_of_(triangles_of) {}
 
   std::vector<std::uint32_t> run() {
-    active_ = collect_pieces<std::uint32_t>(
-        candidates_.size(), kTrianglesPerPiece,
+    active_ = collect_chunks<std::uint32_t>(
+        candidates_.size(), kTrianglesPerChunk,
         [&](std::size_t begin, std::size_t end, auto& found) {
           control_.check_cancelled();
           ranges::copy_if(candidates_.subspan(begin, end - begin), std::back_inserter(found),
@@ -186,7 +186,7 @@ class Relaxation {
   }
 
   void move_pushed() {
-    for_each_index(pushed_.size(), kFewPerPiece, &control_, [&](std::size_t i) {
+    for_each_index(pushed_.size(), kFewPerChunk, &control_, [&](std::size_t i) {
       const std::uint32_t v = pushed_[i];
       const Vec3 p = points_[v] + (1.0 / pushes_[v]) * push_[v];
       const MoveBounds bounds_of = bounds_of_(v);
@@ -202,7 +202,7 @@ class Relaxation {
     }
     for (const std::uint32_t t : one_ring) seen_[t] = 0;
     pushed_.clear();
-    active_ = collect_pieces<std::uint32_t>(one_ring.size(), kFewPerPiece,
+    active_ = collect_chunks<std::uint32_t>(one_ring.size(), kFewPerChunk,
                                             [&](std::size_t begin, std::size_t end, auto& found) {
                                               control_.check_cancelled();
                                               for (std::size_t i = begin; i < end; ++i) {
@@ -286,8 +286,8 @@ class Relaxation {
   void search() {
     for (const double step : kSearchSteps) {
       control_.check_cancelled();
-      std::vector<std::uint32_t> vertices = collect_pieces<std::uint32_t>(
-          candidates_.size(), kTrianglesPerPiece,
+      std::vector<std::uint32_t> vertices = collect_chunks<std::uint32_t>(
+          candidates_.size(), kTrianglesPerChunk,
           [&](std::size_t begin, std::size_t end, auto& found) {
             control_.check_cancelled();
             for (const std::uint32_t t : candidates_.subspan(begin, end - begin))
@@ -330,8 +330,8 @@ class Relaxation {
     std::vector<std::uint32_t> retry;
     for (std::size_t round = 0; round + 2 < first.size(); ++round) {
       const auto own = std::span(ordered).subspan(first[round], first[round + 1] - first[round]);
-      const std::vector<std::uint32_t> found = collect_pieces<std::uint32_t>(
-          own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+      const std::vector<std::uint32_t> found = collect_chunks<std::uint32_t>(
+          own.size(), kFewPerChunk, [&](std::size_t begin, std::size_t end, auto& out) {
             control_.check_cancelled();
             for (const std::uint32_t v : own.subspan(begin, end - begin)) {
               if (!improve(v, step)) continue;
@@ -449,7 +449,7 @@ class Relaxation {
     if (ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; })) return;
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
-    for_each_index(triangles_.size(), kTrianglesPerPiece, &control_, [&](std::size_t t) {
+    for_each_index(triangles_.size(), kTrianglesPerChunk, &control_, [&](std::size_t t) {
       sets.unite(triangles_[t][0], triangles_[t][1]);
       sets.unite(triangles_[t][0], triangles_[t][2]);
     });

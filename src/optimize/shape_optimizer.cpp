@@ -24,7 +24,7 @@ constexpr int kPasses = 24;
 constexpr std::size_t kMinKeptDivisor =
     10;  // passes that reduce errors end once fewer than one change in so many is kept
 constexpr double kMinGain = 1e-3;
-constexpr std::size_t kPerPiece = 4096;  // triangles, of a parallel loop
+constexpr std::size_t kPerChunk = 4096;  // triangles, of a parallel loop
 constexpr std::size_t kBatch =
     64;  // changes that are searched for before the first of them is applied
 constexpr int kRelaxRounds = 3;
@@ -173,8 +173,8 @@ class ShapeOptimizer {
           bad_, [&](const auto& scored) { return ranges::binary_search(changed, scored.second); });
     }
     using Scored = std::pair<double, std::uint32_t>;
-    const auto found = collect_pieces<Scored>(
-        changed.size(), kPerPiece,
+    const auto found = collect_chunks<Scored>(
+        changed.size(), kPerChunk,
         [&](std::size_t begin, std::size_t end, std::vector<Scored>& out) {
           control_.check_cancelled();
           for (const std::uint32_t t : std::span(changed).subspan(begin, end - begin)) {

@@ -47,10 +47,9 @@ void require_used(const ReadOptions& options, const VolumeFile& file, const fs::
       const std::string list = name == "series" ? name
                                : name == "time" ? "time points"
                                                 : name + "s";
-      throw Error(
-          ErrorCode::bad_argument,
-          io::one_line(path.string() + ": " + name + " was given, but a " + file.source.format +
-                       " file like this one has no " + list + " to choose from"));
+      throw Error(ErrorCode::bad_argument,
+                  io::one_line(path.string() + ": " + name + " was given, but this " +
+                               file.source.format + " file has no " + list + " to choose from"));
     }
   };
   check("channel",

@@ -29,7 +29,7 @@ struct Candidate {
   }
 };
 
-constexpr std::size_t kFaultsPerPiece = 64;  // per piece of a parallel loop
+constexpr std::size_t kFaultsPerChunk = 64;  // per piece of a parallel loop
 
 // A c-vertex that repairs one fault as a new site, and the cells that have the fault.
 struct Fix {
@@ -51,14 +51,14 @@ class FixFinder {
   // two cells with faulty arcs: the farthest c-vertex on the boundary between them.
   std::vector<Fix> find(const PartitionCheck& check, const RunControl& control) const {
     std::vector<Fix> fixes(check.faulty_cells.size() + check.pair_faults.size());
-    for_each_index(check.faulty_cells.size(), kFaultsPerPiece, &control, [&](std::size_t i) {
+    for_each_index(check.faulty_cells.size(), kFaultsPerChunk, &control, [&](std::size_t i) {
       const auto& [cell, fault] = check.faulty_cells[i];
       Candidate best;
       if (fault & kBadBoundary) best = farthest_of(cell, true);
       if (best.c_vertex == kNone) best = farthest_of(cell, false);
       fixes[i] = {best.distance, best.c_vertex, cell, cell};
     });
-    for_each_index(check.pair_faults.size(), kFaultsPerPiece, &control, [&](std::size_t i) {
+    for_each_index(check.pair_faults.size(), kFaultsPerChunk, &control, [&](std::size_t i) {
       const auto& [a, b] = check.pair_faults[i];
       Candidate best = farthest_between(a, b);
       // All c-vertices on the boundary between them may be sites already. If both cells are single

@@ -143,7 +143,7 @@ EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowe
     const auto is_settled = [&](std::uint32_t i) {
       return settled_before(graph_.neighbours[i].id, step);
     };
-    const auto piece = [&](std::uint32_t i) {
+    const auto component_of = [&](std::uint32_t i) {
       const CVertexId u = graph_.neighbours[i].id;
       return find(stamp_[u] == 2 * round_ + 1 ? step_[u] : outside);
     };
@@ -161,7 +161,7 @@ EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowe
       std::uint32_t merged = graph_.on_boundary[w] ? mine : kNone;
       float died = -1;  // highest peak of a component that ends here; infinite for a handle
       const auto gap = [&](std::uint32_t i) {
-        const std::uint32_t p = piece(i);
+        const std::uint32_t p = component_of(i);
         if (merged == kNone) {
           merged = p;
         } else if (merged == p) {
@@ -203,7 +203,7 @@ EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowe
     }
     for (std::uint32_t i = begin; i < end; ++i) {
       if (is_settled(i) || is_cut_off(i)) continue;
-      const std::uint32_t p = piece(i);
+      const std::uint32_t p = component_of(i);
       mine = find(mine);
       if (p != mine) mine = unite(mine, p);
     }

@@ -25,7 +25,7 @@ TEST(ForEachPiece, VisitsEveryItemOnce) {
     for (const std::size_t n : {0u, 1u, 2u, 63u, 64u, 1000u, 12345u}) {
       for (const std::size_t grain : {1u, 7u, 64u, 100000u}) {
         std::vector<std::atomic<int>> visits(n);
-        for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
+        for_each_chunk(n, grain, [&](std::size_t begin, std::size_t end) {
           EXPECT_LT(begin, end);
           EXPECT_LE(end, n);
           for (std::size_t i = begin; i < end; ++i) ++visits[i];
@@ -40,7 +40,7 @@ TEST(ForEachPiece, PiecesAreNotLargerThanTheGrain) {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     std::atomic<std::size_t> largest{0};
-    for_each_piece(100000, 7, [&](std::size_t begin, std::size_t end) {
+    for_each_chunk(100000, 7, [&](std::size_t begin, std::size_t end) {
       std::size_t seen = largest;
       while (end - begin > seen && !largest.compare_exchange_weak(seen, end - begin)) {
       }
@@ -53,7 +53,7 @@ TEST(CollectPieces, KeepsTheOrderOfThePieces) {
   for (const int threads : {1, 2, 0}) {
     const ThreadLimit limit(threads);
     for (const std::size_t grain : {1u, 7u, 100000u}) {
-      const auto found = collect_pieces<std::size_t>(
+      const auto found = collect_chunks<std::size_t>(
           5000, grain, [](std::size_t begin, std::size_t end, std::vector<std::size_t>& out) {
             for (std::size_t i = begin; i < end; ++i) out.insert(out.end(), i % 3, i);
           });
@@ -93,7 +93,7 @@ TEST(ThreadLimit, HoldsInNestedLoops) {
 TEST(ForEachPiece, ExceptionsReachTheCaller) {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    EXPECT_THROW(for_each_piece(100, 1,
+    EXPECT_THROW(for_each_chunk(100, 1,
                                 [](std::size_t begin, std::size_t) {
                                   if (begin == 41) throw Error(ErrorCode::bad_file, "piece 41");
                                 }),
@@ -105,7 +105,7 @@ TEST(ThreadLimit, OneThreadIsTheCaller) {
   const ThreadLimit limit(1);
   std::mutex mutex;
   std::set<std::thread::id> seen;
-  for_each_piece(1000, 1, [&](std::size_t, std::size_t) {
+  for_each_chunk(1000, 1, [&](std::size_t, std::size_t) {
     const std::lock_guard lock(mutex);
     seen.insert(std::this_thread::get_id());
   });
@@ -118,7 +118,7 @@ TEST(ThreadLimit, AffectsOnlyTheCallingThread) {
   const std::size_t allowed = global_control::active_value(global_control::max_allowed_parallelism);
   const auto threads_in_a_loop = [] {
     int threads = 0;
-    for_each_piece(
+    for_each_chunk(
         1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
     return threads;
   };
@@ -140,7 +140,7 @@ TEST(ThreadLimit, EndsWithItsScope) {
   const int before = tbb::this_task_arena::max_concurrency();
   { const ThreadLimit limit(before + 1); }
   int threads = 0;
-  for_each_piece(
+  for_each_chunk(
       1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
   EXPECT_EQ(threads, before);
 }

@@ -74,7 +74,7 @@ TEST(WholeProgress, PiecesAreProcessedOnceAndReported) {
   for (const RunControl* who :
        {static_cast<const RunControl*>(nullptr), static_cast<const RunControl*>(&control)}) {
     std::vector<int> times(kItems, 0);
-    for_each_piece_reporting(kItems, kGrain, who, [&](std::size_t begin, std::size_t end) {
+    for_each_chunk_reporting(kItems, kGrain, who, [&](std::size_t begin, std::size_t end) {
       EXPECT_LE(end - begin, kGrain);
       for (std::size_t i = begin; i < end; ++i) ++times[i];
     });

@@ -217,7 +217,7 @@ TEST(SelfIntersections, RefusesInvalidMeshes) {
   const TriangleMesh good{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   TriangleMesh bad = good;
   bad.triangles[0][1] = 3;
-  refused(bad, {}, "triangle 0 has vertex 3 of 3");
+  refused(bad, {}, "triangle 0 uses vertex 3, but there are only 3");
   bad = good;
   bad.positions[1].y = std::numeric_limits<double>::quiet_NaN();
   refused(bad, {}, "vertex 1 is not finite");
