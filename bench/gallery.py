@@ -27,7 +27,10 @@ INTRODUCTION = """# Gallery
 Volumes similar to the paper's data sets, at four levels each, as in its figures 11, 13, 14 and 15.
 Made by `bench/gallery.py`. Every level is certified to have the topology of the isosurface, and has
 no self-intersections. The upper pictures are smooth-shaded; the lower ones show the same triangles
-as hidden-line drawings (`isoatlas picture --style hidden-line`)."""
+as hidden-line drawings (`isoatlas picture --style hidden-line`).
+
+Where a number of vertices comes first, as in the paper's figures, the bound on the distance cannot
+be satisfied: `isoatlas extract` writes everything and exits with status 1."""
 STYLES = {"smooth": ("jpg", vtkJPEGWriter), "hidden-line": ("png", vtkPNGWriter)}
 
 

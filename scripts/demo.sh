@@ -16,8 +16,8 @@ if ! {
   exit 1
 fi
 
-build/release/bin/isoatlas extract samples/protein_iron.nhdr --iso 100 --supersample 2 \
-  --refine max-distance:2vx --refine max-distance:1vx --refine max-distance:0.5vx \
+build/release/bin/isoatlas extract samples/protein_iron.nhdr --iso 100 \
+  --refine max-distance:2vx --refine max-distance:1vx --refine max-distance:0.5vx --supersample 2 \
   -o build/demo/protein_iron.glb --report build/demo/protein_iron.json \
   --html build/demo/protein_iron.html
 

@@ -44,6 +44,12 @@ UNSTABLE = re.compile(
 NUMBER = re.compile(r"-?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
+def tutorial_pages():
+    """The pages that the test `python.pages` runs by this script."""
+    docs = ROOT / "docs"
+    return sorted([docs / "index.md", docs / "get-started.md", *(docs / "tasks").glob("*.md")])
+
+
 class PageError(Exception):
     """A block of a page cannot be run. The text states where, and the output."""
 

@@ -1,14 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Installs the build into an empty folder and builds programs against it, as other projects do."""
+import array
+import functools
+import math
 import os
 import pathlib
+import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests/docs"))
+
+from markdown_blocks import all_blocks, cpp_program  # noqa: E402
+
 BUILD = pathlib.Path(os.environ.get("ISOATLAS_BUILD", ROOT / "build/release"))
 CMAKE = os.environ.get("CMAKE", "cmake")
 CXX = os.environ.get("CXX", "g++")
@@ -39,6 +48,18 @@ class Installed(unittest.TestCase):
     @classmethod
     def tearDownClass(cls):
         cls.folder.cleanup()
+
+    def environment(self):
+        """The environment in which pkg-config and the loader find the libraries."""
+        return {
+            **os.environ, "PKG_CONFIG_PATH": str(self.libraries / "pkgconfig"),
+            "LD_LIBRARY_PATH": str(self.libraries)
+        }
+
+    def build_by_pkg_config(self, package, source, program):
+        flags = run("pkg-config", "--cflags", "--libs", package, env=self.environment()).split()
+        run(CXX, "-std=c++20", source, *flags, "-o", program)
+        return program
 
     def build(self, name, cmake_text, source):
         folder = self.top / name
@@ -106,14 +127,76 @@ int main(int, char** argv) {
         self.assertIn("nothing", done.stderr)
 
     def test_pkg_config(self):
-        environment = {
-            **os.environ, "PKG_CONFIG_PATH": str(self.libraries / "pkgconfig"),
-            "LD_LIBRARY_PATH": str(self.libraries)
-        }
-        flags = run("pkg-config", "--cflags", "--libs", "isoatlas", env=environment).split()
-        program = self.top / "by_pkg_config"
-        run(CXX, "-std=c++20", CONSUMER / "main.cpp", *flags, "-o", program)
-        self.assertEqual(run(program, env=environment), EXPECTED)
+        program = self.build_by_pkg_config("isoatlas", CONSUMER / "main.cpp",
+                                           self.top / "by_pkg_config")
+        self.assertEqual(run(program, env=self.environment()), EXPECTED)
+
+    @functools.lru_cache(maxsize=None)
+    def mesher(self):
+        """A program VOLUME ISOVALUE MESH that refines to the default bound, by pkg-config."""
+        if not list(self.prefix.rglob("libisoatlas_io.so")):
+            self.skipTest("built without ISOATLAS_BUILD_IO")
+        source = self.top / "mesher.cpp"
+        source.write_text(r"""
+#include <isoatlas/io.h>
+#include <isoatlas/isoatlas.h>
+#include <cstdlib>
+#include <iostream>
+int main(int, char** argv) {
+  const isoatlas::Volume volume = isoatlas::read_volume(argv[1]);
+  const isoatlas::Extraction result = isoatlas::extract(volume, std::atof(argv[2]));
+  isoatlas::write_mesh(result.mesh(), argv[3]);
+  const auto& constraints = result.finest().constraints;
+  std::cout << result.finest().topology.genus << ' ' << constraints.size() << ' '
+            << constraints.at(0).constraint.bound << '\n';
+}
+""")
+        return self.build_by_pkg_config("isoatlas_io", source, self.top / "mesher")
+
+    def test_pkg_config_of_io(self):
+        mesh = self.top / "pkg_config.ply"
+        printed = run(self.mesher(), ROOT / "samples/protein_iron.nhdr", 100, mesh,
+                      env=self.environment())
+        self.assertEqual(printed, "8 1 0.5\n")
+        self.assertGreater(mesh.stat().st_size, 10000)
+
+    def test_default_bound_is_that_of_the_tool(self):
+        """tests/python/test_command_line.py compares Python with the tool."""
+        tool = self.prefix / "bin/isoatlas"
+        if not tool.exists():
+            self.skipTest("built without ISOATLAS_BUILD_TOOL")
+        # Layers over four times as thick as the smallest spacing: the bound is 3 / 8.
+        layers = self.top / "layers.nrrd"
+        samples = array.array("f", (6.3 - math.hypot(0.5 * x - 8, 0.5 * y - 8, 3 * z - 12)
+                                    for z in range(9) for y in range(33) for x in range(33)))
+        layers.write_bytes(b"NRRD0004\ntype: float\ndimension: 3\nsizes: 33 33 9\n"
+                           b"spacings: 0.5 0.5 3\nendian: little\nencoding: raw\n\n" +
+                           samples.tobytes())
+        for volume, isovalue, bound in ((ROOT / "samples/protein_iron.nhdr", 100, 0.5),
+                                        (layers, 0, 0.375)):
+            ours, theirs = self.top / "library.ply", self.top / "tool.ply"
+            printed = run(self.mesher(), volume, isovalue, ours, env=self.environment())
+            summary = run(tool, "extract", volume, "--iso", isovalue, "-o", theirs,
+                          env=self.environment())
+            self.assertEqual(float(printed.split()[2]), bound)
+            self.assertIn(f"(default {bound})", summary)
+            without_comments = [re.sub(rb"comment .*\n", b"", path.read_bytes())
+                                for path in (ours, theirs)]
+            self.assertTrue(without_comments[0] == without_comments[1], volume)
+
+    def test_snippets_of_the_documentation(self):
+        """Each CMake snippet of a page builds the C++ snippet of the page, or the consumer."""
+        found = all_blocks()
+        snippets = [block for block in found if block.language == "cmake"]
+        self.assertIn("README.md", [block.page for block in snippets])
+        for number, block in enumerate(snippets):
+            cpp = [cpp_program(other) for other in found
+                   if other.language == "cpp" and other.page == block.page]
+            main = self.build(
+                f"snippet_{number}", "cmake_minimum_required(VERSION 3.16)\nproject(main CXX)\n"
+                f"add_executable(main main.cpp)\n{block.text}",
+                cpp[0] if cpp else (CONSUMER / "main.cpp").read_text())
+            run(main)
 
     def test_no_trace_of_the_source_folder(self):
         for path in [
@@ -153,6 +236,76 @@ int main(int, char** argv) {
         self.assertEqual(complete("isoatlas", "extract", "--pla"), "--placement\n")
         self.assertEqual(complete("isoatlas", "extract", "--placement", "b"), "balanced\n")
         self.assertEqual(complete("isoatlas", "ex"), "extract\n")
+
+    def help_options(self):
+        """Command of the tool -> options on its help page."""
+        tool = self.prefix / "bin/isoatlas"
+        if not tool.exists():
+            self.skipTest("built without ISOATLAS_BUILD_TOOL")
+        pages = {}
+        for command in re.findall(r"(?m)^    ([a-z]+)  ", run(tool, "--help",
+                                                              env=self.environment())):
+            page = run(tool, command, "--help", env=self.environment())
+            listed = "\n".join(re.findall(r"(?m)^    (-.*)$", page))
+            pages[command] = set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", listed))
+        self.assertIn("--max-distance", pages["extract"])
+        self.assertGreaterEqual(len(pages), 7)
+        return pages
+
+    def scripts(self):
+        """Shell -> installed script."""
+        share = self.prefix / "share"
+        return {
+            "bash": share / "bash-completion/completions/isoatlas",
+            "zsh": share / "zsh/vendor-completions/_isoatlas",
+            "fish": share / "fish/vendor_completions.d/isoatlas.fish",
+        }
+
+    def test_completions_have_every_command_and_option(self):
+        pages = self.help_options()
+        text = {shell: path.read_text() for shell, path in self.scripts().items()}
+        for command, options in pages.items():
+            self.assertRegex(text["bash"], rf"\b{command}\b")
+            self.assertIn(f"'{command}:", text["zsh"])
+            self.assertIn(f"-a {command} ", text["fish"])
+            zsh = re.search(rf"(?ms)^    {command}\)\n(.*?)^ +;;", text["zsh"])[1]
+            of_command = "__fish_seen_subcommand_from " + command
+            fish = [line for line in text["fish"].splitlines() if f"{of_command}'" in line]
+            bash = re.search(rf"(?ms)^    {command}\)\n?(.*?);;", text["bash"])[1]
+            for option in options:
+                where = f"{command} {option}"
+                name = option.lstrip("-")
+                flag = f" -l {name} " if option.startswith("--") else f" -s {name} "
+                self.assertIn(f"'*{option}[", zsh, f"zsh: {where}")
+                self.assertTrue(any(flag in line for line in fish), f"fish: {where}")
+                self.assertRegex(bash, rf"(?<![\w-]){option}(?![\w-])", f"bash: {where}")
+
+    def test_shells_accept_the_completions(self):
+        self.help_options()
+        missing = []
+        for shell, path in self.scripts().items():
+            if shutil.which(shell):
+                environment = {**os.environ, "HOME": str(self.top)}
+                run(shell, "-n", path, env=environment)
+            else:
+                missing.append(shell)
+        if missing:
+            self.skipTest(f"{' and '.join(missing)} is not installed")
+
+    def test_fish_completes(self):
+        self.help_options()
+        if not shutil.which("fish"):
+            self.skipTest("fish is not installed")
+
+        def complete(line):
+            printed = run("fish", "--no-config", "-c",
+                          f"source {self.scripts()['fish']}; complete -C '{line}'",
+                          env={**os.environ, "HOME": str(self.top)})
+            return [line.split("\t")[0] for line in printed.splitlines()]
+
+        self.assertEqual(complete("isoatlas ex"), ["extract"])
+        self.assertEqual(complete("isoatlas extract --pla"), ["--placement"])
+        self.assertEqual(complete("isoatlas extract --placement b"), ["balanced"])
 
 
 @unittest.skipUnless(os.environ.get("ISOATLAS_TEST_SUBFOLDER"),

@@ -9,19 +9,12 @@ import pytest
 
 from conftest import ROOT
 
-PAGES = sorted(
-    [
-        ROOT / "docs" / "index.md",
-        ROOT / "docs" / "get-started.md",
-        *(ROOT / "docs" / "tasks").glob("*.md"),
-    ]
-)
-
 specification = importlib.util.spec_from_file_location(
     "page_commands", ROOT / "scripts" / "page_commands.py"
 )
 page_commands = importlib.util.module_from_spec(specification)
 specification.loader.exec_module(page_commands)
+PAGES = page_commands.tutorial_pages()
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
