@@ -37,7 +37,11 @@ RC_GTEST_PROP(AnyVolume, SurfaceIsValidAndHasTheReferenceTopology, (const Random
       parsed(c, to_volume(samples, SampleType::int32, c.spacing), Topology::faces);
   RC_ASSERT(validate(surface) == "");
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
-  RC_ASSERT(summarize(find_components(surface).topology) == want);
+  const MeshCounts counts = count_manifold(surface);
+  RC_ASSERT(counts.topology == want);
+  const Components components = find_components(surface);
+  RC_ASSERT(components.of_c_vertex == counts.component_of_vertex);
+  RC_ASSERT(components.topology == counts.components);
   RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
 }
 
@@ -132,7 +136,7 @@ RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsPreserved, (const RandomCase& c)) {
   const SurfaceComplex surface = parsed(c, volume);
   RC_CLASSIFY(surface.tunnels > 0);
   RC_ASSERT(validate(surface) == "");
-  const TopologySummary want = summarize(find_components(surface).topology),
+  const TopologySummary want = count_manifold(surface).topology,
                         faces = reference_topology(samples, c.isovalue(), c.inside());
   RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
   RC_ASSERT(want.boundary_loops == faces.boundary_loops);
