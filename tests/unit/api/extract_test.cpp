@@ -60,7 +60,7 @@ TEST(Extract, KnownShapes) {
         << known.name << ": " << text(e.finest().topology.kinds);
     ExtractOptions faces = at(known.isovalue);
     faces.surface.topology = Topology::faces;
-    EXPECT_EQ(extract(volume, faces).finest().topology.kinds, known.faces_kinds) << known.name;
+    EXPECT_EQ(kinds_of(extract(volume, faces).mesh()), known.faces_kinds) << known.name;
     const Extraction below =
         extract(to_volume(negated(known.samples)), at(-known.isovalue, Inside::below));
     EXPECT_TRUE(same_bytes(e.mesh(), below.mesh()))
@@ -151,11 +151,11 @@ TEST(Extract, WhiteNoise32) {
 TEST(Extract, TheTrilinearTopologyIsTheDefault) {
   Samples s = constant({2, 2, 2}, -1);
   s.at(0, 0, 0) = s.at(1, 1, 1) = 3;
-  EXPECT_EQ(extract(to_volume(s), at(0)).finest().topology.kinds,
+  EXPECT_EQ(kinds_of(extract(to_volume(s), at(0)).mesh()),
             (std::vector<TopologySummary::Kind>{{0, 2, 1}}));
   ExtractOptions faces = at(0);
   faces.surface.topology = Topology::faces;
-  EXPECT_EQ(extract(to_volume(s), faces).finest().topology.kinds,
+  EXPECT_EQ(kinds_of(extract(to_volume(s), faces).mesh()),
             (std::vector<TopologySummary::Kind>{{0, 1, 2}}));
 }
 
@@ -385,7 +385,7 @@ TEST(Determinism, NegativeZeroIsZero) {
   const Extraction a = extract(own(grid, SampleType::float32, plus_zero), at(0)),
                    b = extract(own(grid, SampleType::float32, minus_zero), at(-0.0));
   EXPECT_TRUE(same_bytes(a.mesh(), b.mesh()));
-  EXPECT_EQ(a.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+  EXPECT_EQ(kinds_of(a.mesh()), (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
 }
 
 }  // namespace
