@@ -37,7 +37,11 @@ RC_GTEST_PROP(AnyVolume, SurfaceIsValidAndHasTheReferenceTopology, (const Random
       parsed(c, to_volume(samples, SampleType::int32, c.spacing), Topology::faces);
   RC_ASSERT(validate(surface) == "");
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
-  RC_ASSERT(summarize(find_components(surface).topology) == want);
+  const MeshCounts counts = count_manifold(surface);
+  RC_ASSERT(counts.topology == want);
+  const Components components = find_components(surface);
+  RC_ASSERT(components.of_c_vertex == counts.component_of_vertex);
+  RC_ASSERT(components.topology == counts.components);
   RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
 }
 
@@ -116,13 +120,12 @@ RC_GTEST_PROP(AnyVolume, ThePapersCoveringPreservesTheTopology, (const RandomCas
   if (c.seed % 16 == 0) options.refine = {{{Quantity::max_distance, 0.5}}};
   const Extraction extraction = extract(c.volume(SampleType::int16), options);
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
-  for (const LevelReport& level : extraction.report.levels) {
+  for (std::size_t l = 0; l < extraction.report.levels.size(); ++l) {
+    const LevelReport& level = extraction.report.levels[l];
+    RC_ASSERT(count_manifold(extraction.hierarchy.mesh(l)).topology == want);
     RC_ASSERT(level.topology == want);
     RC_ASSERT(level.certificate.passed);
   }
-  const MeshCounts counts = count_mesh(extraction.mesh());
-  RC_ASSERT(counts.fault == "");
-  RC_ASSERT(counts.topology == want);
 }
 
 RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsPreserved, (const RandomCase& c)) {
@@ -132,7 +135,7 @@ RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsPreserved, (const RandomCase& c)) {
   const SurfaceComplex surface = parsed(c, volume);
   RC_CLASSIFY(surface.tunnels > 0);
   RC_ASSERT(validate(surface) == "");
-  const TopologySummary want = summarize(find_components(surface).topology),
+  const TopologySummary want = count_manifold(surface).topology,
                         faces = reference_topology(samples, c.isovalue(), c.inside());
   RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
   RC_ASSERT(want.boundary_loops == faces.boundary_loops);
@@ -160,7 +163,7 @@ RC_GTEST_PROP(AnyVolume, AxesMayBeSwappedAndMirrored, (const RandomCase& c)) {
   options.surface.isovalue = c.isovalue();
   options.surface.inside = c.inside();
   const auto kinds = [&](const Samples& s) {
-    return extract(to_volume(s), options).finest().topology.kinds;
+    return kinds_of(extract(to_volume(s), options).mesh());
   };
   const auto want = kinds(samples);
   RC_ASSERT(kinds(mirrored(samples, static_cast<int>(c.seed % 3))) == want);

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <set>
 
-#include "complex/components.h"
 #include "core/vector_math.h"
 #include "geometry/triangle_bvh.h"
 #include "isosurface/parse_surface.h"
@@ -88,10 +87,9 @@ RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const Rand
   const Extraction e = extract(volume, options);
   const Hierarchy& h = e.hierarchy;
   RC_CLASSIFY(e.report.tunnels > 0);
-  const TopologySummary want =
-      options.surface.topology == Topology::faces
-          ? reference_topology(samples, c.isovalue(), c.inside())
-          : summarize(find_components(parsed(c, volume, options)).topology);
+  const TopologySummary want = options.surface.topology == Topology::faces
+                                   ? reference_topology(samples, c.isovalue(), c.inside())
+                                   : count_manifold(parsed(c, volume, options)).topology;
 
   RC_ASSERT(h.levels.size() == options.refine.size() + 1);
   RC_ASSERT(e.report.levels.size() == h.levels.size());

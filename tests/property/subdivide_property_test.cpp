@@ -61,7 +61,7 @@ RC_GTEST_PROP(AnySurface, KeepsItsTopologyWhenSubdivided, (const RandomCase& c))
   const Parsed p = parsed(c);
   RC_PRE(!p.surface.positions.empty());
   const InterpolatedField& field = p.field;
-  const TopologySummary want = summarize(find_components(p.surface).topology);
+  const TopologySummary want = count_manifold(p.surface).topology;
   Random random(c.seed + 11);
   SurfaceComplex complex = p.surface;
   const MultiSheetCells multi_sheet(complex, field);
@@ -80,11 +80,11 @@ RC_GTEST_PROP(AnySurface, KeepsItsTopologyWhenSubdivided, (const RandomCase& c))
     RC_ASSERT(subdivision.origin.size() == after - before);
     for (CVertexId v = 0; v < before; ++v)
       RC_ASSERT(subdivision.complex.positions[v] == complex.positions[v]);
-    const Components components = find_components(subdivision.complex);
-    RC_ASSERT(summarize(components.topology) == want);
+    const MeshCounts counts = count_manifold(subdivision.complex);
+    RC_ASSERT(counts.topology == want);
     for (CVertexId v = before; v < after; ++v)
-      RC_ASSERT(components.of_c_vertex[v] ==
-                components.of_c_vertex[subdivision.origin[v - before]]);
+      RC_ASSERT(counts.component_of_vertex[v] ==
+                counts.component_of_vertex[subdivision.origin[v - before]]);
     const std::vector<Fineness> is = fineness(subdivision.complex, in);
     for (const CVertexId v : wanted) RC_ASSERT(is[v] > was[v] || is[v] == Fineness::pieces);
     for (CVertexId v = 0; v < before; ++v) RC_ASSERT(is[v] >= was[v]);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/surfaces.h"
-#include "support/mesh_counts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,10 +70,30 @@ TriangleMesh triangles_of(const SurfaceComplex& complex) {
   return out;
 }
 
+MeshCounts count_manifold(const TriangleMesh& mesh) {
+  MeshCounts out = count_mesh(mesh);
+  if (!out.fault.empty()) throw std::runtime_error("not an oriented manifold: " + out.fault);
+  return out;
+}
+
+MeshCounts count_manifold(const SurfaceComplex& complex) {
+  std::vector<Polygon> faces;
+  for (const Face& f : complex.faces)
+    faces.push_back(Polygon(f.corner).first(f.corner[3] == kNone ? 3 : 4));
+  MeshCounts out = count_polygons(complex.positions.size(), faces);
+  if (!out.fault.empty()) throw std::runtime_error("not an oriented manifold: " + out.fault);
+  std::vector<DirectedEdge> listed;
+  for (const BoundarySide& side : complex.boundary) listed.emplace_back(side.from, side.to);
+  std::sort(listed.begin(), listed.end());
+  if (listed != out.boundary) throw std::runtime_error("its list of boundary sides is wrong");
+  std::vector<std::uint8_t> flags(complex.positions.size(), 0);
+  for (const auto& [from, to] : out.boundary) flags[from] = flags[to] = 1;
+  if (flags != complex.on_boundary) throw std::runtime_error("its boundary flags are wrong");
+  return out;
+}
+
 std::vector<TopologySummary::Kind> kinds_of(const TriangleMesh& mesh) {
-  const MeshCounts counts = count_mesh(mesh);
-  if (!counts.fault.empty()) throw std::runtime_error("not an oriented manifold: " + counts.fault);
-  return counts.topology.kinds;
+  return count_manifold(mesh).topology.kinds;
 }
 
 std::string text(const std::vector<TopologySummary::Kind>& kinds) {

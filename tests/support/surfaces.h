@@ -9,6 +9,7 @@
 #include "complex/c_vertex_graph.h"
 #include "complex/surface_complex.h"
 #include "isoatlas/mesh.h"
+#include "support/mesh_counts.h"
 #include "support/volumes.h"
 
 namespace isoatlas::detail::test {
@@ -20,7 +21,11 @@ SurfaceComplex surface_of(const Samples& samples, double isovalue = 0,
 
 /// Splits quads along one diagonal.
 TriangleMesh triangles_of(const SurfaceComplex& complex);
-/// The (genus, loops) of a surface's components, counted by mesh_topology on its triangles.
+/// Counts without a fault; of a surface complex, also its boundary sides and flags are right.
+/// @throws std::runtime_error if it has a fault
+MeshCounts count_manifold(const TriangleMesh& mesh);
+MeshCounts count_manifold(const SurfaceComplex& complex);
+/// The (genus, loops) of a mesh's components, by count_manifold().
 std::vector<TopologySummary::Kind> kinds_of(const TriangleMesh& mesh);
 std::string text(const std::vector<TopologySummary::Kind>& kinds);
 

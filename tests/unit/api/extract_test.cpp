@@ -60,7 +60,7 @@ TEST(Extract, KnownShapes) {
         << known.name << ": " << text(e.finest().topology.kinds);
     ExtractOptions faces = at(known.isovalue);
     faces.surface.topology = Topology::faces;
-    EXPECT_EQ(extract(volume, faces).finest().topology.kinds, known.faces_kinds) << known.name;
+    EXPECT_EQ(kinds_of(extract(volume, faces).mesh()), known.faces_kinds) << known.name;
     const Extraction below =
         extract(to_volume(negated(known.samples)), at(-known.isovalue, Inside::below));
     EXPECT_TRUE(same_bytes(e.mesh(), below.mesh()))
@@ -151,11 +151,11 @@ TEST(Extract, WhiteNoise32) {
 TEST(Extract, TheTrilinearTopologyIsTheDefault) {
   Samples s = constant({2, 2, 2}, -1);
   s.at(0, 0, 0) = s.at(1, 1, 1) = 3;
-  EXPECT_EQ(extract(to_volume(s), at(0)).finest().topology.kinds,
+  EXPECT_EQ(kinds_of(extract(to_volume(s), at(0)).mesh()),
             (std::vector<TopologySummary::Kind>{{0, 2, 1}}));
   ExtractOptions faces = at(0);
   faces.surface.topology = Topology::faces;
-  EXPECT_EQ(extract(to_volume(s), faces).finest().topology.kinds,
+  EXPECT_EQ(kinds_of(extract(to_volume(s), faces).mesh()),
             (std::vector<TopologySummary::Kind>{{0, 1, 2}}));
 }
 
@@ -187,6 +187,21 @@ TEST(Extract, CoarseMeansCoarse) {
 
 // -------------------------------------------------------------------------------------------------
 // orientation
+
+// The signed volume per component of a closed mesh.
+std::vector<double> component_volumes(const TriangleMesh& mesh) {
+  const MeshCounts counts = count_manifold(mesh);
+  EXPECT_TRUE(counts.boundary.empty());
+  std::vector<TriangleMesh> parts(counts.components.size());
+  for (const Triangle& t : mesh.triangles)
+    parts[counts.component_of_vertex[t[0]]].triangles.push_back(t);
+  std::vector<double> out;
+  for (TriangleMesh& part : parts) {
+    part.positions = mesh.positions;
+    out.push_back(signed_volume(part));
+  }
+  return out;
+}
 
 TEST(Orientation, BallCavityAndBelow) {
   const Samples solid = sampled({40, 40, 40}, sphere({19.3, 19.6, 19.45}, 16.2));
@@ -221,15 +236,8 @@ TEST(Orientation, EveryComponentOfKnownShapesFacesOutwards) {
     const Extraction e = extract(to_volume(known.samples), at(known.isovalue));
     for (const LevelReport& level : e.report.levels)
       EXPECT_EQ(level.inverted_components, 0u) << known.name;
-    const MeshTopology topology = mesh_topology(e.mesh());
-    for (std::size_t c = 0; c < topology.components.size(); ++c) {
-      TriangleMesh part;
-      part.positions = e.mesh().positions;
-      for (const Triangle& t : e.mesh().triangles) {
-        if (topology.component_of_vertex[t[0]] == c) part.triangles.push_back(t);
-      }
-      EXPECT_GT((solids ? 1 : -1) * signed_volume(part), 0) << known.name << ", component " << c;
-    }
+    for (const double volume : component_volumes(e.mesh()))
+      EXPECT_GT((solids ? 1 : -1) * volume, 0) << known.name;
   }
 }
 
@@ -238,21 +246,10 @@ TEST(Orientation, NestedShellsAlternate) {
       extract(to_volume(sampled({32, 32, 32},
                                 nested_shells({15.4, 15.6, 15.55}, {3.1, 5.4, 8.2, 10.1, 13.7}))),
               at(0));
-  const MeshTopology topology = mesh_topology(e.mesh());
-  ASSERT_EQ(topology.components.size(), 5u);
-  std::vector<std::pair<double, double>> size_and_sign;
-  for (std::size_t c = 0; c < 5; ++c) {
-    TriangleMesh part;
-    part.positions = e.mesh().positions;
-    for (const Triangle& t : e.mesh().triangles) {
-      if (topology.component_of_vertex[t[0]] == c) part.triangles.push_back(t);
-    }
-    const double v = signed_volume(part);
-    size_and_sign.push_back({std::abs(v), v > 0 ? 1 : -1});
-  }
-  std::sort(size_and_sign.begin(), size_and_sign.end());
-  for (std::size_t i = 0; i < 5; ++i)
-    EXPECT_EQ(size_and_sign[i].second, i % 2 == 0 ? 1 : -1) << "shell " << i;
+  std::vector<double> volumes = component_volumes(e.mesh());
+  ASSERT_EQ(volumes.size(), 5u);
+  std::ranges::sort(volumes, {}, [](double v) { return std::abs(v); });
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(volumes[i] > 0, i % 2 == 0) << "shell " << i;
 }
 
 // The plane z = 4.3 with the inside below: every triangle looks up.
@@ -388,7 +385,7 @@ TEST(Determinism, NegativeZeroIsZero) {
   const Extraction a = extract(own(grid, SampleType::float32, plus_zero), at(0)),
                    b = extract(own(grid, SampleType::float32, minus_zero), at(-0.0));
   EXPECT_TRUE(same_bytes(a.mesh(), b.mesh()));
-  EXPECT_EQ(a.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+  EXPECT_EQ(kinds_of(a.mesh()), (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
 }
 
 }  // namespace

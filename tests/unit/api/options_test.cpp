@@ -190,7 +190,7 @@ TEST(Components, SmallOnesAreDroppedAndListed) {
     options.refine = {{{Quantity::max_distance, 1}}};
     const Extraction e = extract(volume, options);
     EXPECT_EQ(e.report.reference.components + e.report.dropped.size(), 3u);
-    EXPECT_EQ(e.finest().topology, e.report.reference);
+    EXPECT_EQ(count_manifold(e.mesh()).topology, e.report.reference);
     for (std::size_t k = 1; k < e.report.dropped.size(); ++k)
       EXPECT_GE(e.report.dropped[k - 1].size, e.report.dropped[k].size);
     return e.report;
@@ -250,13 +250,13 @@ TEST(NonFinite, RefusedWithCountAndPlace) {
 TEST(NonFinite, OnTheChosenSide) {
   ExtractOptions o = coarse_options();
   o.surface.non_finite = NonFinite::above;
-  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds,
+  EXPECT_EQ(kinds_of(extract(with_nan(), o).mesh()),
             (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
   o.surface.non_finite = NonFinite::below;  // now a cavity in the ball
-  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds,
+  EXPECT_EQ(kinds_of(extract(with_nan(), o).mesh()),
             (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
   o.surface.inside = Inside::below;
-  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds,
+  EXPECT_EQ(kinds_of(extract(with_nan(), o).mesh()),
             (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
 }
 
@@ -270,7 +270,7 @@ TEST(NonFinite, InfinitiesKeepTheirSide) {
       ExtractOptions o = coarse_options();
       o.surface.non_finite = policy;
       const Extraction e = extract(own(grid, SampleType::float64, values), o);
-      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+      EXPECT_EQ(kinds_of(e.mesh()), (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
       EXPECT_EQ(signed_volume(e.mesh()) > 0, sign > 0);
     }
   }
@@ -329,7 +329,7 @@ TEST(Extremes, HugeAndTinySamplesAndSpacings) {
   for (const double scale : {1e300, 1e200, 1e-200, 1e-300, 1e-320}) {
     for (const double spacing : {1e-6, 1.0, 1e6}) {
       const Extraction e = scaled_torus(scale, spacing);
-      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{1, 0, 1}}))
+      EXPECT_EQ(kinds_of(e.mesh()), (std::vector<TopologySummary::Kind>{{1, 0, 1}}))
           << scale << " " << spacing;
       EXPECT_EQ(e.finest().inverted_components, 0u) << scale << " " << spacing;
       EXPECT_LE(e.mesh().triangles.size(), 2 * triangles)
@@ -361,8 +361,7 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
     halving.covering.strategy = CoveringStrategy::halving;
     for (const ExtractOptions& options : {radius, persistence, halving}) {
       const Extraction e = extract(volume, options);
-      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}))
-          << length;
+      EXPECT_EQ(kinds_of(e.mesh()), (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
     }
   }
 }
@@ -405,7 +404,7 @@ TEST(Extremes, VeryDifferentSpacingsAlongTheAxes) {
   const Samples s = sampled({14, 14, 14}, gyroid(7.7, 0.1));
   const auto kinds = reference_topology(s, 0).kinds;
   for (const Vec3 spacing : {Vec3{1, 1, 100}, Vec3{0.01, 1, 1}, Vec3{1, 30, 0.5}}) {
-    EXPECT_EQ(extract(to_volume(s, SampleType::int32, spacing), {}).finest().topology.kinds, kinds);
+    EXPECT_EQ(kinds_of(extract(to_volume(s, SampleType::int32, spacing), {}).mesh()), kinds);
   }
 }
 
@@ -417,16 +416,15 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
       ExtractOptions o = coarse_options();
       o.covering.max_radius = radius;
       o.covering.event_persistence = persistence;
-      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds)
-          << radius << " " << persistence;
+      EXPECT_EQ(kinds_of(extract(to_volume(s), o).mesh()), kinds) << radius << " " << persistence;
       o.covering.strategy = CoveringStrategy::halving;
-      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds)
+      EXPECT_EQ(kinds_of(extract(to_volume(s), o).mesh()), kinds)
           << radius << " " << persistence << ", halving";
     }
   }
   ExtractOptions plain = coarse_options();
   plain.vertices_on_surface = false;
-  EXPECT_EQ(extract(to_volume(s), plain).finest().topology.kinds, kinds);
+  EXPECT_EQ(kinds_of(extract(to_volume(s), plain).mesh()), kinds);
 }
 
 // ------------------------------------------------------------------------------------------------

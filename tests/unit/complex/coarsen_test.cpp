@@ -6,7 +6,6 @@
 #include <atomic>
 #include <set>
 
-#include "complex/components.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
@@ -32,11 +31,11 @@ void expect_coarser(const SurfaceComplex& fine, double block, const std::string&
     ASSERT_EQ(out.complex.on_boundary[v], fine.on_boundary[r]) << what;
   }
   for (const Face& f : out.complex.faces) ASSERT_TRUE(f.is_triangle()) << what;
-  const Components before = find_components(fine), after = find_components(out.complex);
-  ASSERT_EQ(after.topology.size(), before.topology.size()) << what;
+  const MeshCounts before = count_manifold(fine), after = count_manifold(out.complex);
+  ASSERT_EQ(after.components.size(), before.components.size()) << what;
   for (CVertexId v = 0; v < out.complex.c_vertex_count(); ++v) {
-    const ComponentId c = before.of_c_vertex[out.representative[v]];
-    ASSERT_EQ(after.topology[after.of_c_vertex[v]], before.topology[c]) << what;
+    const std::uint32_t c = before.component_of_vertex[out.representative[v]];
+    ASSERT_EQ(after.components[after.component_of_vertex[v]], before.components[c]) << what;
   }
   ASSERT_EQ(kinds_of(triangles_of(out.complex)), kinds_of(triangles_of(fine))) << what;
 }

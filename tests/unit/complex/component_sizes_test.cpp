@@ -22,8 +22,7 @@ using namespace test;
 double ball(double radius) { return 4 * std::numbers::pi / 3 * radius * radius * radius; }
 
 struct Sized {
-  SurfaceComplex complex;
-  Components components;
+  std::vector<ComponentTopology> components;
   ComponentSizes sizes;
   double of(ComponentId c) const { return sizes.enclosed[sizes.part_of[c]]; }
 };
@@ -38,9 +37,9 @@ SurfaceComplex parsed(const Samples& samples, bool closed, Vec3 spacing = {1, 1,
 
 Sized sized(const Samples& samples, Vec3 spacing = {1, 1, 1}) {
   Sized out;
-  out.complex = parsed(samples, false, spacing);
-  out.components = find_components(out.complex);
-  out.sizes = component_sizes(out.complex, out.components, parsed(samples, true, spacing));
+  const SurfaceComplex complex = parsed(samples, false, spacing);
+  out.components = count_manifold(complex).components;
+  out.sizes = component_sizes(complex, find_components(complex), parsed(samples, true, spacing));
   return out;
 }
 
@@ -58,14 +57,14 @@ Samples padded(const Samples& samples, std::int64_t value) {
 TEST(ComponentSizes, OfBallsAndShells) {
   const Function balls = unite(sphere({8.3, 8.4, 8.6}, 6), sphere({22.4, 8.5, 8.3}, 3));
   const Sized two = sized(sampled({28, 18, 18}, balls), {1, 2, 0.5});
-  ASSERT_EQ(two.components.topology.size(), 2U);
+  ASSERT_EQ(two.components.size(), 2U);
   EXPECT_NEAR(std::max(two.of(0), two.of(1)), ball(6), 0.04 * ball(6))
       << "a spacing of volume 1; chords cut off a little";
   EXPECT_NEAR(std::min(two.of(0), two.of(1)), ball(3), 0.12 * ball(3));
 
   // A cavity is a component of its own, as large as its volume.
   const Sized shells = sized(sampled({24, 24, 24}, nested_shells({11.4, 11.6, 11.3}, {9, 5})));
-  ASSERT_EQ(shells.components.topology.size(), 2U);
+  ASSERT_EQ(shells.components.size(), 2U);
   EXPECT_NEAR(std::max(shells.of(0), shells.of(1)), ball(9), 0.02 * ball(9));
   EXPECT_NEAR(std::min(shells.of(0), shells.of(1)), ball(5), 0.05 * ball(5));
 }
@@ -73,7 +72,7 @@ TEST(ComponentSizes, OfBallsAndShells) {
 TEST(ComponentSizes, IncludeTheCapOnTheVolumeBoundary) {
   // The box below the sheet, whose sides are those of the volume: 15 x 15 x 7.5.
   const Sized sheet = sized(sampled({16, 16, 16}, half_space({0, 0, 1}, 7.5)));
-  ASSERT_EQ(sheet.components.topology.size(), 1U);
+  ASSERT_EQ(sheet.components.size(), 1U);
   EXPECT_NEAR(sheet.of(0), 15 * 15 * 7.5, 15 * 15 * 0.1);
 
   // Half a ball, and a quarter of one at an edge of the volume.
@@ -93,12 +92,12 @@ TEST(ComponentSizes, ComponentsConnectedByTheCapAreOnePart) {
     }
   }
   const Sized both = sized(samples);
-  ASSERT_EQ(both.components.topology.size(), 3U);
+  ASSERT_EQ(both.components.size(), 3U);
   std::map<std::uint32_t, int> parts;
   for (const std::uint32_t part : both.sizes.part_of) ++parts[part];
   ASSERT_EQ(parts.size(), 2U);
   for (ComponentId c = 0; c < 3; ++c) {
-    const bool is_slab = both.components.topology[c].boundary_loops > 0;
+    const bool is_slab = both.components[c].boundary_loops > 0;
     EXPECT_EQ(parts[both.sizes.part_of[c]], is_slab ? 2 : 1);
     EXPECT_NEAR(both.of(c), is_slab ? 19 * 19 * 3 : ball(7), 0.35 * ball(7));
   }
@@ -108,7 +107,7 @@ TEST(ComponentSizes, AllOfTheVolumeButAHole) {
   // The outside is a tube through the volume.
   const Sized tube = sized(sampled(
       {20, 20, 20}, [](double x, double y, double) { return std::hypot(x - 9.5, y - 9.5) - 5; }));
-  ASSERT_EQ(tube.components.topology.size(), 1U);
+  ASSERT_EQ(tube.components.size(), 1U);
   EXPECT_NEAR(tube.of(0), 19 * 19 * 19 - std::numbers::pi * 25 * 19, 0.03 * 19 * 19 * 19);
 }
 
@@ -126,9 +125,9 @@ TEST(ComponentSizes, ClosedSurfacesAreThoseOfPaddedVolumes) {
         const SurfaceComplex closed = parsed(samples, true, {1, 1, 1}, options);
         ASSERT_EQ(validate(closed), "") << seed;
         ASSERT_TRUE(closed.boundary.empty());
-        std::vector<ComponentTopology> found = find_components(closed).topology;
+        std::vector<ComponentTopology> found = count_manifold(closed).components;
         std::vector<ComponentTopology> wanted =
-            find_components(parsed(padded(samples, -1000000), false, {1, 1, 1}, options)).topology;
+            count_manifold(parsed(padded(samples, -1000000), false, {1, 1, 1}, options)).components;
         std::ranges::sort(found);
         std::ranges::sort(wanted);
         ASSERT_EQ(found, wanted) << seed;

@@ -489,7 +489,7 @@ TEST(Subdivide, InPlaceEqualsTheWhole) {
         })) << "the first piece keeps the id";
       }
       ASSERT_EQ(s.touched, Ids(touched.begin(), touched.end()));
-      const Components components = find_components(p.complex);
+      const MeshCounts counts = count_manifold(p.complex);
       const CVertexId n = before.c_vertex_count();
       ASSERT_EQ(s.origin.size(), p.complex.c_vertex_count() - n);
       ASSERT_EQ(s.between.size(), s.origin.size());
@@ -497,7 +497,7 @@ TEST(Subdivide, InPlaceEqualsTheWhole) {
                              p.complex.positions.begin()));
       for (std::size_t i = 0; i < s.origin.size(); ++i) {
         ASSERT_LT(s.origin[i], n);
-        ASSERT_EQ(components.of_c_vertex[n + i], components.of_c_vertex[s.origin[i]]);
+        ASSERT_EQ(counts.component_of_vertex[n + i], counts.component_of_vertex[s.origin[i]]);
         ASSERT_EQ(s.between[i][0] == kNone, s.between[i][1] == kNone);
         if (s.between[i][0] == kNone) continue;
         ASSERT_LT(std::max(s.between[i][0], s.between[i][1]), n);

@@ -267,6 +267,8 @@ TEST(MeshTopology, AgreesWithAnIndependentCount) {
     (is_sound ? manifolds : faults) += 1;
     if (!is_sound) continue;
     ASSERT_EQ(found.edges, counts.edges) << round;
+    ASSERT_EQ(found.component_of_vertex, counts.component_of_vertex) << round;
+    ASSERT_EQ(found.components, counts.components) << round;
     ASSERT_EQ(summarize(found.components), counts.topology) << round;
   }
   EXPECT_GT(manifolds, 300u);

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 
-#include "complex/components.h"
 #include "core/parallel.h"
 #include "isosurface/cell_loops.h"
 #include "support/reference_topology.h"
@@ -19,7 +18,7 @@ namespace {
 using namespace test;
 
 std::vector<TopologySummary::Kind> parsed_kinds(const SurfaceComplex& surface) {
-  return summarize(find_components(surface).topology).kinds;
+  return count_manifold(surface).topology.kinds;
 }
 
 // The reference counts one disk per loop; tunnel_test.cpp checks the trilinear topology.
@@ -32,9 +31,9 @@ void expect_like_reference(const Samples& samples, double isovalue, Inside insid
                            const std::string& what) {
   const SurfaceComplex surface = faces_surface_of(samples, isovalue, inside);
   const TopologySummary want = reference_topology(samples, isovalue, inside);
-  const TopologySummary got = summarize(find_components(surface).topology);
+  const TopologySummary got = count_manifold(surface).topology;
   ASSERT_EQ(got, want) << what << ": " << text(got.kinds) << "instead of " << text(want.kinds);
-  // Another module counts the same from the triangles of the complex.
+  // The faces, split into triangles, have the same topology.
   ASSERT_EQ(kinds_of(triangles_of(surface)), want.kinds) << what;
 }
 

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <set>
 
-#include "complex/components.h"
 #include "core/saddle_sign.h"
 #include "isosurface/cell_loops.h"
 #include "isosurface/contains_tunnel.h"
@@ -257,7 +256,7 @@ std::size_t plain_entries() {
 std::vector<TopologySummary::Kind> parsed_kinds(const Samples& s) {  // one disk per loop
   ParseOptions options;
   options.topology = Topology::faces;
-  return summarize(find_components(parse_surface(to_volume(s), options)).topology).kinds;
+  return count_manifold(parse_surface(to_volume(s), options)).topology.kinds;
 }
 
 struct Tally {
@@ -529,7 +528,7 @@ TEST(TrilinearSurface, IsValidAndOfTheTopologyOfAFinerGrid) {
     if (!has_surface(s, 0)) continue;
     const SurfaceComplex surface = trilinear_surface_of(s);
     ASSERT_EQ(validate(surface), "") << seed;
-    const TopologySummary topology = summarize(find_components(surface).topology);
+    const TopologySummary topology = count_manifold(surface).topology;
     ASSERT_EQ(kinds_of(triangles_of(surface)), topology.kinds) << seed;
     const TopologySummary faces = reference_topology(s, 0);
     ASSERT_EQ(topology.boundary_loops, faces.boundary_loops) << seed;

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "complex/components.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
@@ -40,10 +39,11 @@ void expect_certified(const SurfaceComplex& surface, float radius, float persist
   const SurfaceComplex dual = dual_complex(surface, p, dual_of.triangles());
   ASSERT_EQ(validate(dual), "") << what;
   ASSERT_EQ(kinds_of(triangles_of(dual)), kinds_of(triangles_of(surface))) << what;
-  const Components before = find_components(surface), after = find_components(dual);
-  ASSERT_EQ(after.topology.size(), before.topology.size()) << what;
+  const MeshCounts before = count_manifold(surface), after = count_manifold(dual);
+  ASSERT_EQ(after.components.size(), before.components.size()) << what;
   for (CellId c = 0; c < p.cell_count(); ++c) {
-    ASSERT_EQ(after.topology[after.of_c_vertex[c]], before.topology[before.of_c_vertex[p.site[c]]])
+    ASSERT_EQ(after.components[after.component_of_vertex[c]],
+              before.components[before.component_of_vertex[p.site[c]]])
         << what;
   }
 }

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 
-#include "complex/components.h"
 #include "core/vector_math.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
@@ -183,14 +182,14 @@ TEST(TopologicalEvent, OnlyHandlesAndHolesNeverClose) {
   int closing = 0, never = 0;
   for (const auto& [what, surface] : surfaces) {
     const CVertexGraph graph = make_graph(surface);
-    const Components components = find_components(surface);
+    const MeshCounts counts = count_manifold(surface);
     EventFinder finder(graph, 1e6f, 4);
     for (int k = 0; k < 12; ++k) {
       const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
       double end = 0;
       for (const double d : slow_distances(graph, {v}))
         end = std::isinf(d) ? end : std::max(end, d);
-      const ComponentTopology& kind = components.topology[components.of_c_vertex[v]];
+      const ComponentTopology& kind = counts.components[counts.component_of_vertex[v]];
       const float radius = finder.event_radius(v, kFar);
       if (kind.genus() == 0 && kind.boundary_loops <= 1) {
         ++closing;
