@@ -61,8 +61,12 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
 /// The first sentence of a description, without characters that are special inside single quotes of
 /// a shell.
 std::string summary(const std::string& description) {
+  std::size_t end = description.find_first_of(".;:");
+  while (end < description.size() && end + 1 < description.size() &&
+         std::string_view(" \n").find(description[end + 1]) == std::string_view::npos)
+    end = description.find_first_of(".;:", end + 1);  // a name such as report.md, or 0.5
   std::string out;
-  for (const char c : description.substr(0, description.find_first_of(".;:"))) {
+  for (const char c : description.substr(0, end)) {
     if (c == '\n' ? out.empty() : c == '\'' || c == '[' || c == ']' || c == '`') continue;
     out += c == '\n' ? ' ' : c;
   }

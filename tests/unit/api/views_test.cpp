@@ -62,6 +62,22 @@ TEST(View, NeedsExactlyItsNumberOfSamples) {
 }
 
 // The same samples in other orders of memory, with gaps, and backwards.
+TEST(View, SizesAreIntegersOfAnyType) {
+  const int nx = 4;
+  const long ny = 5;
+  Grid grid;
+  grid.size = {nx, ny, 6u};
+  const auto [x, y, z] = grid.size;
+  EXPECT_EQ((std::array{x, y, z}), (std::array<std::size_t, 3>{4, 5, 6}));
+  try {
+    grid.size = {nx, -3, nx};
+    ADD_FAILURE() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_argument);
+    EXPECT_STREQ(error.what(), "a number of samples or an index is -3, expected 0 or more");
+  }
+}
+
 TEST(View, StridesMakeNoDifference) {
   const int nx = 17, ny = 15, nz = 14;
   const std::vector<float> samples = ball_samples(nx, ny, nz);
@@ -239,6 +255,19 @@ TEST(Mesh, ViewsOfLevelsAreTheirMeshes) {
       EXPECT_TRUE(std::ranges::equal(view.triangles, mesh.triangles));
       EXPECT_EQ(mesh_topology(view).components, detail::test::count_mesh(mesh).components);
     }
+  }
+}
+
+TEST(Errors, RefuseANegativeNumberOfThreads) {
+  const Volume ball = sample([](Vec3 p) { return 1 - length(p); }, {-2, -2, -2}, {2, 2, 2}, 0.5);
+  RunControl control;
+  control.threads = -1;
+  try {
+    extract(ball, {}, control);
+    ADD_FAILURE() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_argument);
+    EXPECT_STREQ(error.what(), "the number of threads is -1, expected 0 (all processors) or more");
   }
 }
 

@@ -224,7 +224,7 @@ TEST(SelfIntersections, RefusesInvalidMeshes) {
   bad.positions[1].y = -INFINITY;
   refused(bad, {}, "vertex 1 is not finite");
   const std::vector<std::uint32_t> list{1};
-  refused(good, {.involving = list}, "triangle 1 of 1");
+  refused(good, {.involving = list}, "the list has triangle 1, but there are only 1");
 }
 
 TEST(SelfIntersections, IntersectionPlaceIsInBothBoxes) {
