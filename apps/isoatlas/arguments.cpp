@@ -284,6 +284,11 @@ Ignore holes in a growing disk that close again within this length. A larger len
 noise in the choice of triangle sizes. Every value preserves the topology. Default: 1.5vx; with
 --covering halving 0.
 )", [&](const std::string& text) { set(arguments, "event-persistence", text); });
+  add_value(*command, kMesh, "--border", "HOW", R"(
+The mesh where the volume boundary cuts the surface. open: it ends there. closed: it is closed by
+planar caps on the volume boundary, as if everything beyond were outside; for 3-D printing and
+volumes. Default: open.
+)", [&](const std::string& text) { set(arguments, "border", text); });
   add_value(*command, kMesh, "--placement", "WHERE", R"(
 Placement of the vertices. surface: on the isosurface, the same in all levels. balanced: displaced
 in each level so that the mesh lies evenly on both sides of the surface. Default: surface.

@@ -17,13 +17,14 @@ struct OptionWords {
   ValueWords words;
 };
 
-const std::array<OptionWords, 10>& option_words() {
-  static const std::array<OptionWords, 10> kWords{{
+const std::array<OptionWords, 11>& option_words() {
+  static const std::array<OptionWords, 11> kWords{{
       {"--inside", {"above", "below"}},
       {"--nan", {"above", "below"}},
       {"--topology", {"trilinear", "faces"}},
       {"--interpolation", {"trilinear", "tricubic"}},
       {"--covering", {"sizing-field", "halving"}},
+      {"--border", {"open", "closed"}},
       {"--placement", {"surface", "balanced"}},
       {"--space", {"lps", "ras", "voxel"}},
       {"--format", {"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"}},

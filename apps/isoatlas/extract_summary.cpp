@@ -194,6 +194,21 @@ std::string ranked_text(const std::vector<RankedComponent>& components, LengthUn
          (largest.topology.boundary_loops > 0 ? ", cut by the volume boundary" : "");
 }
 
+/// Where the volume boundary cuts the surface. Empty if it does not.
+std::string border_text(const LevelReport& level, LengthUnit unit) {
+  if (level.caps) {
+    if (level.caps->triangles == 0) return "closed without caps";
+    return "closed by caps on the volume boundary: " + counted(level.caps->triangles, "triangle") +
+           ", " + number_text(level.caps->area) + " square " +
+           (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) +
+           "; errors and shape do not include them";
+  }
+  const std::int64_t loops = level.topology.boundary_loops;
+  if (loops == 0) return "";
+  return "open: the volume boundary cuts the surface in " +
+         counted(static_cast<std::uint64_t>(loops), "loop") + "; --border closed caps it";
+}
+
 }  // namespace
 
 void print_summary(std::ostream& out, const ExtractReport& report, const ReportContext& context,
@@ -209,6 +224,8 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
                             topology_text(report.levels.back().topology));
   if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
   if (!report.dropped.empty()) out << row("dropped", ranked_text(report.dropped, unit));
+  if (const std::string border = border_text(report.levels.back(), unit); !border.empty())
+    out << row("border", border);
   for (std::size_t k = 0; k < report.levels.size(); ++k)
     out << row(level_name(k), level_text(report.levels[k], context.options.supersample, unit));
   if (const std::string sampling = distance_sampling(report); !sampling.empty())

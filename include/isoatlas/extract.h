@@ -42,10 +42,13 @@ struct Extraction {
 ///   - options: isovalue not finite; `covering.max_radius` <= 0; `covering.event_persistence` < 0;
 ///     `supersample` 0 or too large for the number of samples; `adaptive_supersample` above
 ///     kMaxSubdivisions; `components.min_size` < 0 or not finite; a bound outside the domain of its
-///     quantity
+///     quantity; `border` closed together with `allow_self_intersections`
 /// @throws Error(unsupported)
 ///   - a sample is NaN or infinite and `surface.non_finite` is `refuse` (the message gives the
 ///     count and the first index);
+///   - `border` is `closed`, and the whole volume boundary is inside while `components` selects
+///   some,
+///     or the mesh cannot be closed because self-intersections remain;
 ///   - the direction is not orthonormal, except if `refine` and `coarse` are empty and
 ///     `measure_samples` is 0
 /// @throws Error(empty_surface)  no sample or every sample is inside (the message gives the range

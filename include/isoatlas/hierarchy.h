@@ -25,6 +25,9 @@ struct ISOATLAS_API Hierarchy {
     /// Per vertex, the largest two-sided distance between the isosurface in its Voronoi cell and
     /// the mesh, in world units (Quantity::max_distance). Empty if it was not measured.
     std::vector<float> distance;
+    /// The number of triangles at the end of `triangles` that are caps on the volume boundary
+    /// (Border::closed).
+    std::uint32_t cap_triangles = 0;
   };
 
   /// V x 3, on the isosurface and the same in all levels. Coordinates are in ExtractOptions::space.

@@ -21,6 +21,10 @@ struct MeshFileInfo {
   std::string comment;  ///< the program that wrote the file, e.g. "isoatlas 0.1.0"
   /// The unit of the coordinates; unknown for sample indices. Only .3mf and .gii store it.
   LengthUnit unit = LengthUnit::unknown;
+  /// The number of triangles at the end of the mesh that are caps on the volume boundary
+  /// (Hierarchy::Level::cap_triangles). If it is not 0, .ply and .vtp mark them by a property "cap"
+  /// of the faces, 1 for caps. It is not read back.
+  std::size_t cap_triangles = 0;
 };
 
 /// Checks that write_mesh() can write to a path. Call it before a long computation.

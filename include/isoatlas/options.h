@@ -43,6 +43,12 @@ struct ComponentChoice {
   std::size_t keep_largest = 0;
 };
 
+/// What a mesh does where the volume boundary cuts the surface.
+enum class Border : std::uint8_t {
+  open,    ///< it ends there, in boundary loops on the volume boundary
+  closed,  ///< it is closed by planar caps on the volume boundary, as if all beyond it were outside
+};
+
 /// Options of extract().
 struct ExtractOptions {
   SurfaceOptions surface{};
@@ -56,6 +62,7 @@ struct ExtractOptions {
   /// paper, up to 0.2 voxels off the surface.
   bool vertices_on_surface = true;
   ComponentChoice components{};
+  Border border = Border::open;
   CoveringChoice covering{};
   /// Constraints of level 0, the coarse mesh of the paper's stage one. They are only evaluated and
   /// reported; level 0 is not refined.

@@ -56,11 +56,20 @@ struct BadTriangle {
   ShapeObstacle obstacle = ShapeObstacle::none;  ///< why its vertices were not moved
 };
 
+/// The caps that close a level on the volume boundary (Border::closed).
+struct CapSummary {
+  std::size_t triangles = 0;
+  double area = 0;  ///< world units squared
+};
+
 /// The report about one level: topology, shape, errors, constraints, and the work it took.
 struct ISOATLAS_API LevelReport {
   std::size_t vertices = 0, triangles = 0;
   TopologySummary topology;       ///< counted independently on the output triangles
   CertificateReport certificate;  ///< certificate of the partition of the level
+  /// Present with Border::closed. `quality`, `metrics`, distances and `bad_triangles` do not
+  /// include the caps; counts, topology and self-intersections do.
+  std::optional<CapSummary> caps;
   /// Closed components whose orientation differs from that on the isosurface, or that lie inside
   /// another component than there. With self-intersections allowed, only the orientation is
   /// compared (docs/theory/02-certificate.md).
@@ -114,7 +123,9 @@ struct ExtractReport {
   std::size_t double_segments = 0;  ///< double segments, split to make the dual simplicial
   std::size_t tunnels = 0;          ///< grid cells with a tunnel; 0 with Topology::faces
   std::vector<std::size_t> coarser_c_vertices;  ///< numbers of c-vertices of the coarser complexes
-  TopologySummary reference;  ///< counted on the reference surface, without dropped components
+  /// Counted on the reference surface, without dropped components; with Border::closed, on the
+  /// reference surface and its caps.
+  TopologySummary reference;
   /// The components that ExtractOptions::components keeps and drops, largest first; both are empty
   /// if the options keep all.
   std::vector<RankedComponent> kept, dropped;

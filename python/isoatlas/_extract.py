@@ -47,6 +47,7 @@ def extract(
     covering: Literal["sizing-field", "halving"] = "sizing-field",
     event_persistence: Length | None = None,
     allow_self_intersections: bool = False,
+    border: Literal["open", "closed"] = "open",
     placement: Literal["surface", "balanced"] = "surface",
     space: Literal["lps", "ras", "voxel"] = "lps",
     measure: bool = False,
@@ -145,6 +146,10 @@ def extract(
         ``"1.5vx"``; 0 with ``covering="halving"``.
     allow_self_intersections : bool
         Keep triangles that intersect; faster, and fewer triangles.
+    border : {"open", "closed"}
+        The mesh where the volume boundary cuts the surface: it ends there, or it is closed by planar
+        caps on the volume boundary, as if everything beyond were outside. The caps are the last
+        ``caps.triangles`` faces of each level, see `Mesh.report`.
     placement : {"surface", "balanced"}
         Vertex placement: on the surface and the same in all levels, or displaced in each level so
         that the mesh lies evenly on both sides of the surface.
@@ -209,6 +214,7 @@ def extract(
         "max_radius": max_radius,
         "covering": covering,
         "event_persistence": event_persistence,
+        "border": border,
         "placement": placement,
         "space": space,
         "measure_samples": measure_samples,

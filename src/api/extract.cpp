@@ -9,6 +9,7 @@
 #include <cmath>
 #include <new>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "complex/component_sizes.h"
 #include "complex/components.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/require.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
@@ -72,6 +74,10 @@ void check_options(const ExtractOptions& options) {
   require(options.supersample >= 1, "the factor of supersampling must be at least 1");
   require(options.adaptive_supersample <= kMaxSubdivisions,
           "adaptive supersampling may subdivide the surface at most 8 times");
+  require(
+      options.border == Border::open || !options.allow_self_intersections,
+      "a mesh with self-intersections cannot be closed on the volume boundary; leave the border "
+      "open or do not allow self-intersections");
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {
@@ -96,33 +102,65 @@ float default_persistence(CoveringStrategy strategy) {
   return strategy == CoveringStrategy::halving ? 0.0f : 1.5f;
 }
 
+bool chooses_components(const ExtractOptions& options) {
+  return options.components.min_size > 0 || options.components.keep_largest > 0;
+}
+
+// Whether some component of the closed surface is not part of the open one: it is the whole surface
+// of the volume's box.
+bool contains_whole_box(const Components& parts, std::span<const std::uint32_t> part_of) {
+  std::vector<std::uint8_t> has_component(parts.topology.size(), 0);
+  for (const std::uint32_t part : part_of) has_component[part] = 1;
+  return ranges::count(has_component, std::uint8_t{0}) > 0;
+}
+
 // Removes the components that the options exclude, from the surface and from what was derived from
-// it.
-void drop_excluded_components(SurfaceComplex& whole, Components& components, Nesting& nesting,
-                              const VolumeView& volume_in_voxels, const ParseOptions& parse,
-                              const VolumeView& volume, const ExtractOptions& options,
-                              ExtractReport& report, const RunControl& control) {
-  ComponentSizes sizes;
-  if (whole.boundary.empty()) {
-    sizes = component_sizes(whole, components, whole);
-  } else {
-    ParseOptions capped = parse;
-    capped.closed = true;
-    sizes = component_sizes(whole, components, parse_surface(volume_in_voxels, capped, control));
+// it. @return what the caps of the others have to be, if the options close the surface
+std::optional<CapReference> choose_and_cap(SurfaceComplex& whole, Components& components,
+                                           Nesting& nesting, const VolumeView& volume_in_voxels,
+                                           const ParseOptions& parse, const VolumeView& volume,
+                                           const ExtractOptions& options, ExtractReport& report,
+                                           const RunControl& control) {
+  const bool is_closed = options.border == Border::closed;
+  SurfaceComplex capped;
+  Components parts;
+  const bool is_capped = is_closed || !whole.boundary.empty();
+  if (is_capped) {
+    ParseOptions with_caps = parse;
+    with_caps.closed = true;
+    capped = parse_surface(volume_in_voxels, with_caps, control);
+    parts = find_components(capped);
   }
+  const ComponentSizes sizes = is_capped ? component_sizes(whole, components, capped, parts)
+                                         : component_sizes(whole, components, whole, components);
   control.check_cancelled();
-  ChosenComponents chosen = choose_components(whole, components, sizes, options, volume.grid);
-  report.kept = std::move(chosen.kept);
-  report.dropped = std::move(chosen.dropped);
-  if (whole.faces.empty()) {
-    throw Error(ErrorCode::empty_surface,
-                "every component is smaller than the minimum size: the largest has a size of " +
-                    std::to_string(report.dropped.front().size) + " cubic units");
+  std::vector<std::uint8_t> is_dropped;
+  if (chooses_components(options)) {
+    if (is_closed && contains_whole_box(parts, sizes.part_of))
+      throw Error(ErrorCode::unsupported,
+                  "the whole volume boundary is inside, so the largest component is the surface of "
+                  "the volume's box; keep all components, or leave the border open");
+    ChosenComponents chosen = choose_components(whole, components, sizes, options, volume.grid);
+    report.kept = std::move(chosen.kept);
+    report.dropped = std::move(chosen.dropped);
+    is_dropped = std::move(chosen.is_dropped);
+    if (whole.faces.empty()) {
+      throw Error(ErrorCode::empty_surface,
+                  "every component is smaller than the minimum size: the largest has a size of " +
+                      std::to_string(report.dropped.front().size) + " cubic units");
+    }
+    control.check_cancelled();
+    if (!report.dropped.empty()) {
+      components = find_components(whole);
+      nesting = without(nesting, is_dropped);
+    }
   }
-  if (report.dropped.empty()) return;
-  control.check_cancelled();
-  components = find_components(whole);
-  nesting = without(nesting, chosen.is_dropped);
+  if (!is_closed) return std::nullopt;
+  const auto last = [&](std::size_t axis) {
+    return static_cast<double>((volume.grid.size[axis] - 1) * options.supersample);
+  };
+  return make_cap_reference(capped, parts, sizes.part_of, is_dropped,
+                            {{last(0), last(1), last(2)}});
 }
 
 // Measured on medical scans: all stages up to the coarse mesh take about a third of the time of a
@@ -179,15 +217,16 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   Nesting nesting = surface_nesting(reference, nodes);
   nodes = {};
   control.check_cancelled();
-  if (options.components.min_size > 0 || options.components.keep_largest > 0) {
-    drop_excluded_components(whole, reference, nesting, in_voxels, parse, volume, options, report,
-                             control);
+  std::optional<CapReference> caps;
+  if (chooses_components(options) || options.border == Border::closed) {
+    caps = choose_and_cap(whole, reference, nesting, in_voxels, parse, volume, options, report,
+                          control);
   }
   report.c_vertices = whole.positions.size();
   report.faces = whole.faces.size();
   report.double_segments = whole.double_segments;
   report.tunnels = whole.tunnels;
-  report.reference = summarize(reference.topology);
+  report.reference = summarize(caps ? caps->topology : reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
       only_coarse ? nullptr
                   : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole,
@@ -197,7 +236,7 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   AdaptiveSurface surface(
       std::move(whole), std::move(reference), std::move(nesting),
       InterpolatedField(in_voxels, parse.rule, options.surface.interpolation, options.supersample),
-      control);
+      control, std::move(caps));
   clock.finished("components");
 
   double longest = 0;
@@ -256,8 +295,10 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   if (const Vec3 origin = float32_origin(grid, options.space); origin != Vec3{})
     hierarchy.float32_origin = origin;
   hierarchy.positions = std::move(mesh.positions);
-  hierarchy.levels.push_back(
-      {checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}, {}});
+  Hierarchy::Level& level_0 = hierarchy.levels.emplace_back();
+  level_0.vertex_count = checked_id(hierarchy.positions.size(), "vertices");
+  level_0.triangles = std::move(mesh.triangles);
+  level_0.cap_triangles = cap_count(coarse);
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
   const auto fill_subdivision_report = [&] {

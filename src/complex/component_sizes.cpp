@@ -30,7 +30,7 @@ std::vector<double> enclosed_volumes(const SurfaceComplex& complex, const Compon
 }  // namespace
 
 ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components,
-                               const SurfaceComplex& closed) {
+                               const SurfaceComplex& closed, const Components& parts) {
   ComponentSizes sizes;
   sizes.part_of.assign(components.topology.size(), kNone);
   if (&closed == &complex) {
@@ -41,7 +41,6 @@ ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& 
   // Both complexes list the c-vertices of grid cells inside the volume in the same order and with
   // the same positions; those on the volume boundary and on caps differ. Every component has a
   // c-vertex inside the volume.
-  const Components parts = find_components(closed);
   CVertexId next = 0;
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
     if (complex.on_boundary[v]) continue;

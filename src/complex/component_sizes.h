@@ -18,8 +18,9 @@ struct ComponentSizes {
 
 /// @param closed  the surface of the same volume parsed with ParseOptions::closed and otherwise
 ///                equal options, or `complex` itself if it has no boundary
+/// @param parts   the components of `closed`
 /// @cost  O(F) for the faces of both
 ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components,
-                               const SurfaceComplex& closed);
+                               const SurfaceComplex& closed, const Components& parts);
 
 }  // namespace isoatlas::detail

@@ -42,12 +42,14 @@ void sort_unique(std::vector<GridCell>& grid_cells) {
 }  // namespace
 
 AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
-                                 InterpolatedField field, const RunControl& control)
+                                 InterpolatedField field, const RunControl& control,
+                                 std::optional<CapReference> caps)
     : complex_(std::move(complex)),
       components_(std::move(components)),
       nesting_(std::move(nesting)),
       field_(std::move(field)),
       control_(without_stages(control)),
+      caps_(std::move(caps)),
       multi_sheet_cells_(complex_, field_, control_),
       parsed_count_(complex_.c_vertex_count()),
       depth_(parsed_count_, 0) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "complex/components.h"
 #include "core/nesting.h"
+#include "embedding/caps.h"
 #include "embedding/checked_cells.h"
 #include "embedding/multi_sheet_cells.h"
 #include "embedding/subdivide.h"
@@ -22,12 +24,16 @@ class AdaptiveSurface {
   /// @pre the complex is as it was parsed. C-vertices are moved where several surfels of one grid
   ///      cell would intersect.
   /// @param control  for cancellation and progress, here and in subdivide()
+  /// @param caps     present if meshes of the surface are closed by caps on the volume boundary
   AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
-                  InterpolatedField field, const RunControl& control = {});
+                  InterpolatedField field, const RunControl& control = {},
+                  std::optional<CapReference> caps = {});
 
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
   const Nesting& nesting() const { return nesting_; }  ///< of the components
+  /// What the capped surface has to be; null if the surface stays open.
+  const CapReference* caps() const { return caps_ ? &*caps_ : nullptr; }
   const InterpolatedField& field() const { return field_; }
   /// Per c-vertex, the position on the surface where it was first placed, before any move;
   /// sample-index coordinates.
@@ -57,8 +63,9 @@ class AdaptiveSurface {
   void move(CVertexId v, Vec3 position) { complex_.positions[v] = rounded(position); }
 
   /// Whether a vertex may be displaced from this c-vertex: within the grid cell, or on the wall or
-  /// edge that it is on. Callers must also check the result of find_conflicting_moves().
-  bool is_movable(CVertexId v) const { return !fixed_[v]; }
+  /// edge that it is on. Callers must also check the result of find_conflicting_moves(). Those on
+  /// the boundary of a capped surface are not movable.
+  bool is_movable(CVertexId v) const { return !fixed_[v] && !(caps_ && complex_.on_boundary[v]); }
   /// Finds the moves that must be reverted because surfels or pieces in a grid cell would
   /// intersect. After reverting them there are no such intersections, if there were none before.
   /// @param moved      c-vertices, each once
@@ -91,6 +98,7 @@ class AdaptiveSurface {
   Nesting nesting_;
   InterpolatedField field_;
   RunControl control_;
+  std::optional<CapReference> caps_;
   MultiSheetCells multi_sheet_cells_;
   CheckedCells checked_cells_;
   std::vector<GridCell> grid_cells_with_small_pieces_;  // grid cells with pieces of pieces

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "embedding/resolve_intersections.h"
 
+#include <algorithm>
+#include <bit>
+
 #include "complex/components.h"
+#include "core/ranges.h"
 #include "core/whole_progress.h"
+#include "embedding/caps.h"
 #include "geometry/mesh_nesting.h"
 
 namespace isoatlas::detail {
@@ -12,19 +17,54 @@ namespace {
 // remains.
 constexpr double kMaxRemainingShare = 0.7;
 
+std::vector<ComponentId> components_of(const GrowingDual& dual, const AdaptiveSurface& surface) {
+  std::vector<ComponentId> out;
+  for (const CVertexId v : dual.sites_on_surface())
+    out.push_back(surface.components().of_c_vertex[v]);
+  return out;
+}
+
 // The vertices around which the mesh must be finer for the components to have the right orientation
 // and nesting. @pre no self-intersections
 std::vector<CellId> find_misplaced_vertices(const GrowingDual& dual, const AdaptiveSurface& surface,
                                             std::span<const Vec3> positions,
                                             std::span<const Triangle> triangles,
                                             const RunControl& control) {
-  std::vector<ComponentId> component_of;
-  for (const CVertexId v : dual.sites_on_surface())
-    component_of.push_back(surface.components().of_c_vertex[v]);
+  const std::vector<ComponentId> component_of = components_of(dual, surface);
   const Nesting nesting =
       mesh_nesting(positions, triangles, component_of, open_flags(surface.components()), control);
   return misplaced_vertices(positions, triangles, component_of, nesting, surface.nesting(),
                             control);
+}
+
+// Adds the vertices around which the mesh must be finer to be capped.
+void add_uncapped_vertices(const GrowingDual& dual, const AdaptiveSurface& surface,
+                           std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                           std::vector<CellId>& cells) {
+  const CapReference& reference = *surface.caps();
+  std::vector<CellId> found = vertices_that_prevent_caps(positions, triangles, reference.box);
+  if (cells.empty() && found.empty())
+    found = make_caps(positions, triangles, components_of(dual, surface), reference,
+                      surface.complex().spacing)
+                .faulty;
+  cells.insert(cells.end(), found.begin(), found.end());
+  ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+// Makes sites of the c-vertices on the edges of the volume's box, so that a boundary edge of the
+// mesh does not cut off a part of the box. @return whether there were new ones
+bool insert_sites_on_box_edges(const SurfaceComplex& complex, const BoxFaces& box,
+                               Covering& covering) {
+  const std::uint32_t before = covering.site_count();
+  for (const BoundarySide& side : complex.boundary) {
+    const CVertexId v = side.from;
+    const float distance = covering.distance()[v];
+    if (distance == 0 || std::popcount(box.containing(complex.positions[v])) < 2) continue;
+    covering.lower_radius(v, distance);
+    covering.insert(v);
+  }
+  return covering.site_count() > before;
 }
 
 }  // namespace
@@ -37,6 +77,9 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
   for (;; out.has_changed = true) {
     dual.update();
     if (dual.repair_first()) continue;
+    const CapReference* const caps = surface.caps();
+    if (caps != nullptr && insert_sites_on_box_edges(dual.complex(), caps->box, dual.covering()))
+      continue;
     const std::vector<Vec3> positions = dual.positions();
     const std::vector<Triangle> triangles = dual.triangles();
     tracker.update(positions, triangles, control);
@@ -46,6 +89,7 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
     std::vector<CellId> cells = tracker.largest_corners(covering.farthest_distances());
     const bool is_embedded = cells.empty();
     if (is_embedded) cells = find_misplaced_vertices(dual, surface, positions, triangles, control);
+    if (caps != nullptr) add_uncapped_vertices(dual, surface, positions, triangles, cells);
     const std::vector<CellId> single = covering.shrink(cells);
     covering.cover(
         control);  // also covers what repair_first() has left uncovered by lowering radii

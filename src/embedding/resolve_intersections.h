@@ -17,6 +17,7 @@ class GrowingDual {
  public:
   virtual ~GrowingDual() = default;
   virtual Covering& covering() = 0;
+  virtual const SurfaceComplex& complex() const = 0;  ///< that is covered
   /// Covers, and certifies what has changed.
   virtual void update() = 0;
   /// Vertex positions per Voronoi cell, in sample-index coordinates. They, the triangles and the
@@ -44,6 +45,9 @@ struct ResolvedIntersections {
 /// that stay in their grid cells and so do not intersect. Subdivision comes last: it adds half as
 /// many c-vertices again in an edge mask, and is mostly not needed. Intersections that cannot be
 /// resolved remain.
+///
+/// If the surface is to be capped, Voronoi cells on the volume boundary become smaller until the
+/// caps exist and have the right topology.
 ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface,
                                             IntersectionTracker& tracker,
                                             const RunControl& control);

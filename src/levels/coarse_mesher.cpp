@@ -146,6 +146,7 @@ class CoarseMesher::Dual : public GrowingDual {
       : mesher_(mesher), certificate_(certificate), control_(control) {}
 
   Covering& covering() override { return mesher_.state_->covering; }
+  const SurfaceComplex& complex() const override { return mesher_.state_->complex; }
   void update() override {
     report_continuing(control_);
     mesher_.state_->dual.update(certificate_, control_);

@@ -63,7 +63,7 @@ void check_mesh(const MeshTopology& mesh, const Components& reference,
 
 // Number of components whose orientation or, if `nested`, nesting differs from that of the
 // isosurface.
-std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of,
+std::size_t count_misplaced(const MeshView& mesh, std::span<const ComponentId> component_of,
                             const AdaptiveSurface& surface, bool nested) {
   const std::vector<std::uint8_t> is_open = open_flags(surface.components());
   const Nesting& wanted = surface.nesting();
@@ -81,6 +81,56 @@ std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentI
   return inverted;
 }
 
+// The area of the triangles from `first` on.
+double area_of(const TriangleMesh& mesh, std::size_t first) {
+  double sum = 0;
+  for (std::size_t t = first; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 p = mesh.positions[a];
+    sum += length(cross(mesh.positions[b] - p, mesh.positions[c] - p)) / 2;
+  }
+  return sum;
+}
+
+// Appends the caps of a mesh in sample-index coordinates, and checks the topology of the closed
+// mesh.
+void append_caps(TriangleMesh& mesh, const std::vector<ComponentId>& component_of,
+                 const AdaptiveSurface& surface, LevelReport& report, const RunControl& control) {
+  const CapReference& reference = *surface.caps();
+  Caps caps =
+      make_caps(mesh.positions, mesh.triangles, component_of, reference, surface.complex().spacing);
+  if (!caps.faulty.empty())
+    throw Error(ErrorCode::unsupported,
+                "the surface cannot be closed on the volume boundary: its mesh would have to be "
+                "finer around " +
+                    std::to_string(caps.faulty.size()) +
+                    " vertices, but self-intersections remain there; leave the border open");
+  mesh.positions.insert(mesh.positions.end(), caps.corners.begin(), caps.corners.end());
+  mesh.triangles.insert(mesh.triangles.end(), caps.triangles.begin(), caps.triangles.end());
+  report.caps.emplace().triangles = caps.triangles.size();
+
+  const MeshTopology topology = mesh_topology(mesh, control);
+  Components parts;
+  parts.topology = reference.topology;
+  std::vector<std::uint32_t> part_of;
+  for (const ComponentId c : component_of) part_of.push_back(reference.part_of[c]);
+  const auto whole_box = static_cast<std::uint32_t>(
+      std::find_if(parts.topology.begin(), parts.topology.end(),
+                   [&](const ComponentTopology& part) {
+                     const auto number = static_cast<std::uint32_t>(&part - parts.topology.data());
+                     return ranges::count(reference.part_of, number) == 0;
+                   }) -
+      parts.topology.begin());
+  // A corner of the box belongs to the part of any vertex to which it is connected.
+  std::vector<std::uint32_t> part_of_component(topology.components.size(), whole_box);
+  for (std::size_t v = 0; v < part_of.size(); ++v)
+    part_of_component[topology.component_of_vertex[v]] = part_of[v];
+  for (std::size_t v = part_of.size(); v < mesh.positions.size(); ++v)
+    part_of.push_back(part_of_component[topology.component_of_vertex[v]]);
+  check_mesh(topology, parts, part_of);
+  report.topology = summarize(topology.components);
+}
+
 constexpr std::size_t kMaxListedIntersections = 10;  // number of self-intersections that are listed
 constexpr double kMinAspect = 1.0 / 3;
 constexpr double kMaxAngle = 150;  // degrees; a cap has no short edge, so its angle is tested
@@ -91,7 +141,7 @@ double shape_score(const BadTriangle& t, double least_aspect) {
 }
 
 // @param output  the same mesh in the output space
-std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& output,
+std::vector<BadTriangle> bad_triangles(const MeshView& world, const MeshView& output,
                                        std::span<const ShapeObstacle> obstacles,
                                        const LevelGoal& goal) {
   double min_aspect = kMinAspect;
@@ -156,6 +206,8 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
   check_mesh(topology, reference, component_of);
   report_continuing(control);
   report.topology = summarize(topology.components);
+  const std::size_t open_triangles = mesh.triangles.size();
+  if (surface.caps() != nullptr) append_caps(mesh, component_of, surface, report, control);
   report.vertices = mesh.positions.size();
   report.triangles = mesh.triangles.size();
 
@@ -165,21 +217,27 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
   TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
   TriangleMesh& measured = space == Space::voxel ? world : mesh;
   transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
+  const auto without_caps = [&](const TriangleMesh& all) {
+    return MeshView(std::span(all.positions).first(sites.size()),
+                    std::span(all.triangles).first(open_triangles));
+  };
+  if (report.caps) report.caps->area = area_of(measured, open_triangles);
   RunControl quiet = control;  // runs in parallel with other checks, so it must not report progress
   quiet.progress = nullptr;
   run_both(
       [&] {
         if (!options.allow_self_intersections) fill_self_intersections(mesh, report, quiet);
         quiet.check_cancelled();
-        report.bad_triangles = bad_triangles(measured, mesh, obstacles, goal);
+        report.bad_triangles =
+            bad_triangles(without_caps(measured), without_caps(mesh), obstacles, goal);
       },
       [&] {
-        report.quality = mesh_quality(measured, quiet);
+        report.quality = mesh_quality(without_caps(measured), quiet);
         report.quality.zero_area_triangles = static_cast<std::size_t>(ranges::count_if(
             mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
         quiet.check_cancelled();
-        report.inverted_components =
-            count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
+        report.inverted_components = count_misplaced(without_caps(mesh), component_of, surface,
+                                                     !options.allow_self_intersections);
       });
   report_continuing(control);
 }

@@ -29,11 +29,19 @@ void to_output_space(TriangleMesh& mesh, const Grid& grid, const ExtractOptions&
 /// @param obstacles  per vertex, why it cannot be moved; reported with badly shaped triangles
 /// @param goal       determines which triangles are badly shaped
 /// @param surface    the reference
+/// If the surface is to be capped, the caps are appended to the triangles, and the corners of the
+/// volume's box that they need to the positions.
 /// @throws Error(internal) if the triangles do not have, component by component, the topology of
 ///         the reference
+/// @throws Error(unsupported) if the level has no caps, because self-intersections remain
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
                   std::span<const CVertexId> sites, const AdaptiveSurface& surface,
                   std::span<const ShapeObstacle> obstacles, const LevelGoal& goal, const Grid& grid,
                   const ExtractOptions& options, LevelReport& report, const RunControl& control);
+
+/// The number of triangles in the caps of a level.
+inline std::uint32_t cap_count(const LevelReport& report) {
+  return report.caps ? static_cast<std::uint32_t>(report.caps->triangles) : 0;
+}
 
 }  // namespace isoatlas::detail

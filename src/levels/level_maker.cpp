@@ -48,6 +48,24 @@ bool satisfies_distance(const RefinedLevel& level) {
   });
 }
 
+// The numbers of vertices in a hierarchy with corners of the volume's box. In a level they follow
+// the vertices on the surface, in the hierarchy those of level 0, so that levels share them.
+struct CornersInside {
+  std::uint32_t first = 0;     // number of the first corner
+  std::uint32_t vertices = 0;  // of the level, on the surface
+  std::uint32_t corners = 0;
+
+  std::uint32_t id(std::uint32_t v) const {
+    return v < first ? v : v < vertices ? v + corners : v - vertices + first;
+  }
+  // @param values  of the corners; empty: 0
+  template <class T>
+  void insert_corners(std::vector<T>& of_vertices, std::span<const T> values) const {
+    const auto at = of_vertices.insert(of_vertices.begin() + first, corners, T{});
+    std::copy(values.begin(), values.end(), at);
+  }
+};
+
 bool is_complete(const ExtractOptions& options) {
   return options.components.min_size == 0 && options.components.keep_largest == 0 &&
          options.surface.interpolation == Interpolation::trilinear;
@@ -114,6 +132,7 @@ void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
       mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);
   fill_report(goal, figures, report);
   hierarchy.levels.front().distance = world_lengths(figures.distance);
+  hierarchy.levels.front().distance.resize(hierarchy.levels.front().vertex_count, 0);
   if (options_.measure_samples > 0)
     fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
 }
@@ -217,21 +236,34 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy,
   finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal,
                source_.grid, options_, report, control_);
 
-  // Appends new vertices; earlier ones are already there.
+  // The corners of the box follow the vertices of level 0 on the surface.
   const std::uint32_t vertices = partition.cell_count();
+  const auto corners = static_cast<std::uint32_t>(mesh.positions.size()) - vertices;
+  const CornersInside numbering{hierarchy.levels.front().vertex_count - corners, vertices, corners};
+  // Appends new vertices; earlier ones are already there.
   TriangleMesh on_surface;
-  for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v)
+  for (auto v = static_cast<CellId>(hierarchy.positions.size() - corners); v < vertices; ++v)
     on_surface.positions.push_back(base_position(surface, refiner_.placement(), v));
   isoatlas::detail::to_output_space(on_surface, source_.grid, options_);
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(),
                              on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();
-  hierarchy.parent.insert(hierarchy.parent.end(),
-                          parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()),
-                          parents.end());
-  Hierarchy::Level level{
-      vertices, std::move(mesh.triangles), {}, world_lengths(refined.figures.distance)};
-  if (options_.placement == Placement::balanced) level.own_positions = std::move(mesh.positions);
+  for (std::size_t v = hierarchy.parent.size() - corners; v < parents.size(); ++v)
+    hierarchy.parent.push_back(numbering.id(parents[v]));
+  for (Triangle& t : mesh.triangles) {
+    for (std::uint32_t& v : t) v = numbering.id(v);
+  }
+  Hierarchy::Level level;
+  level.vertex_count = vertices + corners;
+  level.triangles = std::move(mesh.triangles);
+  level.cap_triangles = cap_count(report);
+  level.distance = world_lengths(refined.figures.distance);
+  numbering.insert_corners(level.distance, {});
+  if (options_.placement == Placement::balanced) {
+    level.own_positions.assign(mesh.positions.begin(), mesh.positions.begin() + vertices);
+    numbering.insert_corners<Vec3>(level.own_positions,
+                                   std::span(mesh.positions).subspan(vertices));
+  }
   hierarchy.levels.push_back(std::move(level));
   report.seconds = seconds();
 }

@@ -182,6 +182,7 @@ class Refiner::Dual : public GrowingDual {
       : refiner_(refiner), certificate_(certificate), control_(control) {}
 
   Covering& covering() override { return refiner_.measured_->covering(); }
+  const SurfaceComplex& complex() const override { return refiner_.surface_.complex(); }
   void update() override { refiner_.measured_->update(certificate_, control_); }
   std::vector<Vec3> positions() const override { return refiner_.measured_->positions(); }
   std::vector<Triangle> triangles() const override {

@@ -142,7 +142,8 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path,
   }
   // Comments must be one line: a line break would end the comment, and the next line would be read
   // as data.
-  const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment), info.unit};
+  const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment), info.unit,
+                                info.cap_triangles};
   return io::translate_exceptions(path, [&] {
     if (format.form == nullptr) {
       return write_as_given(format, mesh, clean_info, path);

@@ -54,7 +54,7 @@ constexpr const char* kVtpDistance = "max_distance";  ///< the array of distance
 /// Writes text fields by name, except empty ones, and the distances of the vertices, if there are
 /// any.
 void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields,
-               const std::vector<float>& distance, AtomicFile& file);
+               const std::vector<float>& distance, std::size_t cap_triangles, AtomicFile& file);
 
 // Writers of levels. The levels are checked like meshes; `info.levels` is empty or has a JSON
 // object for each level.

@@ -119,7 +119,7 @@ StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& i
                {"COMMENT", info.mesh.comment},
                {kPlacementField, info.placement == Placement::balanced ? "balanced" : "surface"},
                {kLevelField, info.levels.empty() ? "" : info.levels[k]}},
-              hierarchy.levels[k].distance, *pieces.back());
+              hierarchy.levels[k].distance, hierarchy.levels[k].cap_triangles, *pieces.back());
     const std::string number = std::to_string(k);
     list += "    <DataSet index=\"" + number + "\" name=\"level " + number + "\" file=\"" +
             escaped((folder.filename() / piece.filename()).generic_string()) + "\"/>\n";

@@ -298,14 +298,19 @@ void write_ply(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   out.text("element face " + std::to_string(mesh.triangles.size()) + "\n");
   // Most readers expect int; indices above its range are still exact as uint.
   const bool fits_int = mesh.positions.size() <= std::size_t{1} << 31;
-  out.text(std::string("property list uchar ") + (fits_int ? "int" : "uint") +
-           " vertex_indices\nend_header\n");
+  const bool has_caps = info.cap_triangles > 0;
+  out.text(std::string("property list uchar ") + (fits_int ? "int" : "uint") + " vertex_indices\n" +
+           (has_caps ? "property uchar cap\n" : "") + "end_header\n");
   for (const Vec3& p : mesh.positions) {
     out.bytes(p);
   }
-  for (const Triangle& t : mesh.triangles) {
+  const std::size_t first_cap = mesh.triangles.size() - info.cap_triangles;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     out.bytes(std::uint8_t{3});
-    out.bytes(t);
+    out.bytes(mesh.triangles[t]);
+    if (has_caps) {
+      out.bytes(static_cast<std::uint8_t>(t >= first_cap ? 1 : 0));
+    }
   }
   out.flush();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes VTK's XML poly data, by VTK.
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
@@ -15,6 +16,7 @@
 #include <vtkSmartPointer.h>
 #include <vtkStringArray.h>
 #include <vtkTypeInt64Array.h>
+#include <vtkUnsignedCharArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <mutex>
@@ -76,12 +78,12 @@ void add_field(vtkPolyData& data, const std::string& name, const std::string& va
 }  // namespace
 
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
-  write_vtp(mesh, {{"SPACE", info.space}, {"COMMENT", info.comment}}, {},
+  write_vtp(mesh, {{"SPACE", info.space}, {"COMMENT", info.comment}}, {}, info.cap_triangles,
             file);  // SPACE is 3D Slicer's name for it
 }
 
 void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields,
-               const std::vector<float>& distance, AtomicFile& file) {
+               const std::vector<float>& distance, std::size_t cap_triangles, AtomicFile& file) {
   const VtkSilence silence;
   const auto vertex_count = static_cast<vtkIdType>(mesh.positions.size());
   const auto triangle_count = static_cast<vtkIdType>(mesh.triangles.size());
@@ -123,6 +125,16 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
     array->SetArray(const_cast<float*>(distance.data()), static_cast<vtkIdType>(distance.size()),
                     1);
     data->GetPointData()->AddArray(array);
+  }
+
+  if (cap_triangles > 0) {
+    vtkNew<vtkUnsignedCharArray> caps;
+    caps->SetName("cap");
+    caps->SetNumberOfValues(triangle_count);
+    for (vtkIdType t = 0; t < triangle_count; ++t) {
+      caps->SetValue(t, t >= triangle_count - static_cast<vtkIdType>(cap_triangles) ? 1 : 0);
+    }
+    data->GetCellData()->AddArray(caps);
   }
 
   vtkNew<vtkXMLPolyDataWriter> writer;

@@ -199,7 +199,9 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy,
       if (!is_hierarchy_path(item.path)) {
         const std::size_t level = item.levels.front();
         const Hierarchy only = only_level(hierarchy, level);
-        add(item.path, staged, item.levels, write_mesh(only.mesh(0), staged, info.mesh));
+        MeshFileInfo mesh_info = info.mesh;
+        mesh_info.cap_triangles = only.levels[0].cap_triangles;
+        add(item.path, staged, item.levels, write_mesh(only.mesh(0), staged, mesh_info));
         count_intersections(only, staged);
         return;
       }

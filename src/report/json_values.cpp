@@ -188,6 +188,9 @@ Json to_value(const LevelReport& level, std::size_t number) {
   Json json = {{"level", number}, {"vertices", level.vertices}, {"triangles", level.triangles}};
   add_topology(json, level.topology);
   json["inverted_components"] = level.inverted_components;
+  json["caps"] = level.caps
+                     ? Json({{"triangles", level.caps->triangles}, {"area", level.caps->area}})
+                     : Json();
   json["certificate"] = to_value(level.certificate);
   json["quality"] = to_value(level.quality);
   json["metrics"] = metrics_value(level);

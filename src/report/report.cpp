@@ -70,6 +70,8 @@ std::string_view text(Placement placement) {
   return placement == Placement::surface ? "surface" : "balanced";
 }
 
+std::string_view text(Border border) { return border == Border::open ? "open" : "closed"; }
+
 Json length_value(const std::optional<Length>& length) {
   return length ? Json(length->value) : Json();
 }
@@ -184,6 +186,7 @@ Json parameters_value(const ExtractOptions& options, int threads) {
           {"vertices_on_surface", options.vertices_on_surface},
           {"coarse", to_value(options.coarse)},
           {"refine", goals_value(options.refine)},
+          {"border", text(options.border)},
           {"placement", text(options.placement)},
           {"allow_self_intersections", options.allow_self_intersections},
           {"measure_samples", options.measure_samples},

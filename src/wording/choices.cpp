@@ -53,6 +53,10 @@ CoveringStrategy parse_covering(std::string_view text) {
       text);
 }
 
+Border parse_border(std::string_view text) {
+  return choose<Border>({{"open", Border::open}, {"closed", Border::closed}}, text);
+}
+
 Placement parse_placement(std::string_view text) {
   return choose<Placement>({{"surface", Placement::surface}, {"balanced", Placement::balanced}},
                            text);

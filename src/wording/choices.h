@@ -17,6 +17,7 @@ NonFinite parse_non_finite(std::string_view text);         ///< below, above; no
 Space parse_space(std::string_view text);                  ///< lps, ras, voxel
 CoveringStrategy parse_covering(std::string_view text);    ///< sizing-field, halving
 Placement parse_placement(std::string_view text);          ///< surface, balanced
+Border parse_border(std::string_view text);                ///< open, closed
 SampleType parse_sample_type(std::string_view text);       ///< int8 ... float64
 bool parse_is_big_endian(std::string_view text);           ///< little, big
 

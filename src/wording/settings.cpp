@@ -115,6 +115,8 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
     options.covering.strategy = parse_covering(text);
   } else if (name == "event-persistence") {
     settings.event_persistence = parse_length(text);
+  } else if (name == "border") {
+    options.border = parse_border(text);
   } else if (name == "placement") {
     options.placement = parse_placement(text);
   } else if (name == "space") {

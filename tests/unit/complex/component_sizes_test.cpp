@@ -39,7 +39,8 @@ Sized sized(const Samples& samples, Vec3 spacing = {1, 1, 1}) {
   Sized out;
   const SurfaceComplex complex = parsed(samples, false, spacing);
   out.components = count_manifold(complex).components;
-  out.sizes = component_sizes(complex, find_components(complex), parsed(samples, true, spacing));
+  const SurfaceComplex closed = parsed(samples, true, spacing);
+  out.sizes = component_sizes(complex, find_components(complex), closed, find_components(closed));
   return out;
 }
 
@@ -146,7 +147,8 @@ TEST(ComponentSizes, EveryComponentHasAPart) {
         options.supersample = supersample;
         const SurfaceComplex open = parsed(samples, false, {1, 1, 1}, options);
         const SurfaceComplex closed = parsed(samples, true, {1, 1, 1}, options);
-        const ComponentSizes sizes = component_sizes(open, find_components(open), closed);
+        const ComponentSizes sizes =
+            component_sizes(open, find_components(open), closed, find_components(closed));
         for (const std::uint32_t part : sizes.part_of) {
           ASSERT_LT(part, sizes.enclosed.size()) << seed;
           ASSERT_GT(sizes.enclosed[part], 0) << seed;

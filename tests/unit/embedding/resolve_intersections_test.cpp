@@ -58,6 +58,7 @@ class SurfaceDual : public GrowingDual {
   }
 
   Covering& covering() override { return covering_; }
+  const SurfaceComplex& complex() const override { return surface_.complex(); }
   void update() override {
     ++updates;
     dual_.update(report_, {});
@@ -245,6 +246,7 @@ class ScriptedDual : public GrowingDual {
   }
 
   Covering& covering() override { return covering_; }
+  const SurfaceComplex& complex() const override { return grid_; }
   void update() override {
     sizes_ = covering_.farthest_distances();
     triangles_.clear();

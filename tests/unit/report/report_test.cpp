@@ -58,6 +58,7 @@ struct FullReport {
       level.constraints.push_back(result_of(Quantity::max_distance, 3, false, 2.5, true, "unused"));
       level.at_limit.assign(1200, {{1, 2, 3}, 1.5});
       level.bad_triangles.assign(1200, {{1, 2, 3}, 0.2, 95, ShapeObstacle::earlier_level});
+      level.caps = {.triangles = 4, .area = 6.5};
       level.self_intersections = 0;
       level.measured.emplace();
       level.measured->voxel = 2;
