@@ -116,6 +116,12 @@ UNCHECKED = {
 
 # Places where such a word is right: prefix of the path, pattern for the unchanged line, reason.
 EXCEPTIONS = [
+    (
+        "",
+        r"--border|Border::|Border border|enum class Border|parse_border|[.>]border\b|border_text|"
+        r"[\"'`]border[\"'`]|border : \\{|\bborder[:=]|Border>|\(Border |border` open|leave the border",
+        "the option for closed meshes",
+    ),
     ("docs/report.md", r"with Shift", "a key"),
     ("src/volume_files/meta_image_header.cpp", r"MET_[A-Z]", "names of sample types in MetaImage"),
     ("tests/differential/independent.py", r"MET_[A-Z]", "names of sample types in MetaImage"),

@@ -147,9 +147,9 @@ def extract(
     allow_self_intersections : bool
         Keep triangles that intersect; faster, and fewer triangles.
     border : {"open", "closed"}
-        The mesh where the volume boundary cuts the surface: it ends there, or it is closed by planar
-        caps on the volume boundary, as if everything beyond were outside. The caps are the last
-        ``caps.triangles`` faces of each level, see `Mesh.report`.
+        The mesh where the volume boundary cuts the surface: it ends there, or it is closed by
+        planar caps on the volume boundary, as if everything beyond were outside. The caps are the
+        last ``caps.triangles`` faces of each level, see `Mesh.report`.
     placement : {"surface", "balanced"}
         Vertex placement: on the surface and the same in all levels, or displaced in each level so
         that the mesh lies evenly on both sides of the surface.

@@ -13,26 +13,26 @@ namespace isoatlas::detail {
 namespace {
 
 // A half-edge between two vertices on the volume boundary.
-struct BorderEdge {
+struct EdgeOnBox {
   std::uint32_t from, to;
   bool is_boundary;  // no triangle has it in the other direction
 };
 
-std::vector<BorderEdge> border_edges(std::span<const std::uint8_t> faces_of,
-                                     std::span<const Triangle> triangles) {
-  std::vector<BorderEdge> out;
+std::vector<EdgeOnBox> edges_on_box(std::span<const std::uint8_t> faces_of,
+                                    std::span<const Triangle> triangles) {
+  std::vector<EdgeOnBox> out;
   for (const Triangle& t : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
       if (faces_of[a] != 0 && faces_of[b] != 0) out.push_back({a, b, false});
     }
   }
-  const auto before = [](const BorderEdge& a, const BorderEdge& b) {
+  const auto before = [](const EdgeOnBox& a, const EdgeOnBox& b) {
     return std::pair(a.from, a.to) < std::pair(b.from, b.to);
   };
   ranges::sort(out, before);
-  for (BorderEdge& edge : out) {
-    const BorderEdge opposite{edge.to, edge.from, false};
+  for (EdgeOnBox& edge : out) {
+    const EdgeOnBox opposite{edge.to, edge.from, false};
     edge.is_boundary = !std::binary_search(out.begin(), out.end(), opposite, before);
   }
   return out;
@@ -69,7 +69,7 @@ class Capper {
       corner_id_[k] = static_cast<std::uint32_t>(positions_.size() + out_.corners.size());
       out_.corners.push_back(reference_.box.corner(k));
     }
-    for (const BorderEdge& edge : border_edges(faces_of_, triangles_)) {
+    for (const EdgeOnBox& edge : edges_on_box(faces_of_, triangles_)) {
       if (!edge.is_boundary) continue;
       const unsigned face = faces_of_[edge.from] & faces_of_[edge.to];
       sides_[static_cast<std::size_t>(std::countr_zero(face))].push_back({edge.to, edge.from});
@@ -265,7 +265,7 @@ std::vector<std::uint32_t> vertices_that_prevent_caps(std::span<const Vec3> posi
                                                       const BoxFaces& box) {
   const std::vector<std::uint8_t> faces_of = faces_of_vertices(positions, box);
   std::vector<std::uint32_t> out;
-  for (const BorderEdge& edge : border_edges(faces_of, triangles)) {
+  for (const EdgeOnBox& edge : edges_on_box(faces_of, triangles)) {
     const int faces = std::popcount(static_cast<unsigned>(faces_of[edge.from] & faces_of[edge.to]));
     if (edge.is_boundary ? faces == 1 : faces == 0) continue;
     out.push_back(edge.from);

@@ -101,7 +101,7 @@ std::string what_is_wrong(const Extraction& e, const Samples& samples, double is
   return "";
 }
 
-TEST(ClosedBorder, RandomVolumes) {
+TEST(ClosedMesh, RandomVolumes) {
   const int rounds = is_thorough() ? 270 : 12;
   int with_caps = 0, unresolved = 0;
   for (int family = 0; family < kFamilies; ++family) {
@@ -131,7 +131,7 @@ TEST(ClosedBorder, RandomVolumes) {
   EXPECT_LE(unresolved, 1);  // docs/decisions/0011-users.md names it
 }
 
-TEST(ClosedBorder, CutShapesAtCoarseAndFineLevels) {
+TEST(ClosedMesh, CutShapesAtCoarseAndFineLevels) {
   struct Shape {
     const char* name;
     Samples samples;
@@ -156,7 +156,7 @@ TEST(ClosedBorder, CutShapesAtCoarseAndFineLevels) {
 }
 
 // The cap of half a ball is a disk in its plane.
-TEST(ClosedBorder, EnclosesTheVolumeInside) {
+TEST(ClosedMesh, EnclosesTheVolumeInside) {
   const Samples half = sampled({41, 41, 22}, sphere({20, 20, 0}, 17), 100000);
   ExtractOptions options = closed_options(0.5);
   options.refine = {within(0.1 * vx)};
@@ -167,7 +167,7 @@ TEST(ClosedBorder, EnclosesTheVolumeInside) {
 }
 
 // The vertices of a level are the first ones of the next, corners of the box included.
-TEST(ClosedBorder, LevelsAreNested) {
+TEST(ClosedMesh, LevelsAreNested) {
   const Samples samples = sampled({20, 20, 20}, sphere({-2.2, -3.3, 9.4}, 19.7));
   for (const Placement placement : {Placement::surface, Placement::balanced}) {
     ExtractOptions options = closed_options(0.5);
@@ -194,7 +194,7 @@ TEST(ClosedBorder, LevelsAreNested) {
 }
 
 // Rotated, far away and anisotropic grids; supersampled; as inside below.
-TEST(ClosedBorder, IsClosedForAnyGrid) {
+TEST(ClosedMesh, IsClosedForAnyGrid) {
   const Samples samples = random_samples(Family::gyroid_cut, {14, 15, 13}, 77);
   for (int variant = 0; variant < 5; ++variant) {
     Volume volume = to_volume(samples, SampleType::int32, {1, 1.5, variant == 1 ? 4.0 : 0.7});
@@ -232,7 +232,7 @@ TEST(ClosedBorder, IsClosedForAnyGrid) {
   EXPECT_EQ(extract(below, options).mesh().triangles, above.mesh().triangles);
 }
 
-TEST(ClosedBorder, ChosenComponentsAreCapped) {
+TEST(ClosedMesh, ChosenComponentsAreCapped) {
   const Samples samples =
       sampled({30, 20, 20}, unite(sphere({8, 9.5, 0.3}, 7.2), sphere({23, 9.4, 0.2}, 4.3)));
   ExtractOptions options = closed_options(0.5);
@@ -251,7 +251,7 @@ TEST(ClosedBorder, ChosenComponentsAreCapped) {
   }
 }
 
-TEST(ClosedBorder, NeedsAMeshWithoutSelfIntersections) {
+TEST(ClosedMesh, NeedsAMeshWithoutSelfIntersections) {
   ExtractOptions options = closed_options(0.5);
   options.allow_self_intersections = true;
   try {
