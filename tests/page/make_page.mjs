@@ -215,7 +215,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
               unit: "ratio",
               satisfied: false,
               default: true,
-              reason: "a vertex of an earlier level is fixed",
+              reason: "178 cells are at the resolution limit; supersampling would help there",
             },
           ],
   }));
@@ -232,6 +232,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
         ? {
             space: "lps",
             supersample: 1,
+            keep_components: options.kept?.parts ?? 0,
             max_radius: null,
             placement: placed ? "balanced" : "surface",
             refine: [[{quantity: "max-distance", bound: 0.42}]],
@@ -247,6 +248,8 @@ export function makeResult(geometry, levels, topology, options = {}) {
             spacing: [1, 1, 1.5],
             origin: [0, 0, 0],
             direction: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+            format: "NRRD",
+            decisions: [{key: "space", value: "left-posterior-superior"}],
           }
         : options.input,
     surface:
@@ -377,6 +380,36 @@ function dust(count) {
   return [join_meshes(...balls)];
 }
 
+/** Turns all triangles around. */
+const flip = ({positions, triangles}) => ({
+  positions,
+  triangles: triangles.map(([a, b, c]) => [a, c, b]),
+});
+
+/**
+ * A ball of radius 20 with a cavity of radius 8, a ball of radius 10 beside it, and above them an
+ * open tube.
+ */
+function balls(geometry, {title = "balls", flipped = false} = {}) {
+  const mesh = join_meshes(
+    sphere(4, [0, 0, 0], 20),
+    flip(sphere(3, [0, 0, 0], 8)),
+    sphere(2, [40, 0, 0], 10),
+    tubePiece(24, 6, [0, 0, 40], 6, 20),
+  );
+  const topology = {
+    components: 4,
+    euler: 6,
+    genus: 0,
+    loops: 2,
+    kinds: [
+      {genus: 0, boundary_loops: 0, count: 3},
+      {genus: 0, boundary_loops: 2, count: 1},
+    ],
+  };
+  return makeResult(geometry, [flipped ? flip(mesh) : mesh], topology, {title});
+}
+
 export const pages = {
   ring: () => page((g) => makeResult(g, ringAndBall(4), RING, {inverted_components: 0})),
   // 1,600 to 102,400 triangles.
@@ -427,6 +460,17 @@ export const pages = {
     page((g) =>
       makeResult(g, ringAndBall(3, 18, 9, [1e6, -1e6, 1e6]), RING, {title: "far from the origin"}),
     ),
+  balls: () => page(balls),
+  // Samples below the isovalue are inside: all triangles face the other way.
+  inverted: () => page((g) => balls(g, {title: "inverted", flipped: true})),
+  // Only the finest of two levels is in the files.
+  finest: () =>
+    page((g) => {
+      const result = makeResult(g, ringAndBall(1), RING, {title: "finest.stl"});
+      result.levels[0].level = 1;
+      result.nested = false;
+      return result;
+    }),
   several: () =>
     page(
       (g) => makeResult(g, ringAndBall(3), RING, {title: "first"}),
@@ -434,6 +478,7 @@ export const pages = {
         makeResult(g, nested(torus(12, 7, [9, 9, 9], 30, 12), 2), TORUS, {
           title: "second",
           unit: "voxels",
+          input: {path: "second.tif", format: "TIFF", size: [64, 64, 64]},
         }),
     ),
   dust: () =>

@@ -5,22 +5,57 @@ import "./style.css";
 import {Vector3} from "three";
 
 import type {Colouring, Legend} from "./colours";
-import {choice, cutControl, levelSlider} from "./controls";
+import {ComponentChoice, ComponentList} from "./component_list";
+import {button, checkbox, choice, cutControl, levelSlider} from "./controls";
 import {readMesh, readPage, type Mesh, type Result, type Triple} from "./data";
-import {drawn, element, number, plural} from "./dom";
-import {errorText, facts, origin, summary} from "./facts";
+import {count, element, number, plural} from "./dom";
+import {facts, summary} from "./facts";
 import {listen} from "./gestures";
+import {corners, halfMoon} from "./icons";
+import {Inspector, type Shown} from "./inspector";
+import {legendOf} from "./legend";
+import {LevelShape} from "./level_shape";
+import {madeBy} from "./made_by";
+import {meshFile, partOf, type MeshFormat} from "./mesh_files";
+import {orientationOf, type Orientation, type Side} from "./orientation";
 import {Overlay} from "./overlay";
-import {contextOf, LevelShape, Scene, toFile, type Style} from "./scene";
+import {download, fileStem, pngOf} from "./save";
+import {contextOf, Scene, toFile, type Style} from "./scene";
+import {viewOf, viewText, type LinkedView} from "./view_link";
+import {errorText, levelName} from "./words";
 
 const AXES = ["x", "y", "z"] as const;
+const STYLES: {value: Style; text: string}[] = [
+  {value: "smooth", text: "Smooth"},
+  {value: "split", text: "Both"},
+  {value: "lines", text: "Hidden line"},
+];
+const COLOURINGS: {value: Colouring; text: string}[] = [
+  {value: "plain", text: "Plain"},
+  {value: "aspect", text: "Aspect ratio"},
+  {value: "distance", text: "Distance error"},
+  {value: "component", text: "Component"},
+  {value: "level", text: "Level of vertex"},
+];
+const FORMATS: {value: MeshFormat; text: string}[] = [
+  {value: "glb", text: ".glb"},
+  {value: "ply", text: ".ply"},
+  {value: "stl", text: ".stl"},
+];
 const HELP = [
   ["Rotate", "drag, or arrow keys"],
   ["Pan", "right button, two fingers, or Shift and drag or arrows"],
   ["Zoom", "wheel, pinch, or + and −"],
   ["Level", "[ and ]"],
+  ["View from a side", "1 to 6, in the order of the buttons"],
   ["Along an axis", "x, y, z"],
+  [
+    "Component",
+    "click it, or move it to the cross and press Enter; h hides it, i the others, a shows all",
+  ],
+  ["Measure", "m, then click two points, or move them to the cross and press Enter; Esc ends"],
   ["Worst triangle, whole mesh", "w, 0"],
+  ["Full screen, save the picture", "f, p"],
 ];
 const THEME = {
   clay: "--clay",
@@ -29,17 +64,8 @@ const THEME = {
   paperInside: "--paper-inside",
   ink: "--edge",
   section: "--section",
+  cap: "--cap",
 };
-
-/** A half-filled circle. */
-function halfMoon(): SVGElement {
-  return drawn(
-    "svg",
-    {viewBox: "0 0 20 20", width: 20, height: 20, "aria-hidden": "true", class: "icon"},
-    drawn("circle", {cx: 10, cy: 10, r: 7.25}),
-    drawn("path", {d: "M10 2.75a7.25 7.25 0 0 1 0 14.5z"}),
-  );
-}
 
 class PageView {
   private readonly page = readPage();
@@ -52,51 +78,51 @@ class PageView {
     "aria-describedby": "help",
   });
   private readonly overlay = new Overlay();
+  private readonly picture = element("div", {class: "picture"}, this.canvas, this.overlay.svg);
   private readonly legend = element("div", {class: "legend", id: "legend"});
-  private readonly status = element("p", {class: "status", id: "status", role: "status"});
   private readonly title = element("h1");
   private readonly subtitle = element("p", {class: "soft"});
   private readonly facts = element("div", {id: "facts"});
   private readonly madeBy = element("div");
   private readonly which = element("select", {id: "result", "aria-label": "Result"});
-  private readonly theme = element(
-    "button",
+  private readonly theme = button(
+    "theme",
+    halfMoon(),
+    () => this.setTheme(document.documentElement.dataset.theme !== "dark"),
     {
-      type: "button",
-      id: "theme",
+      class: "bare-icon",
       "aria-pressed": "false",
       "aria-label": "Dark theme",
       title: "Light or dark",
     },
-    halfMoon(),
   );
+  private readonly fullScreen = button("full-screen", corners(), () => this.toggleFullScreen(), {
+    class: "bare-icon",
+    "aria-pressed": "false",
+    "aria-label": "Full screen",
+    title: "Full screen (f)",
+  });
+  private readonly stage = element("section", {class: "stage", "aria-label": "Mesh"});
   private readonly level = levelSlider(() => this.update());
-  private readonly style = choice<Style>(
-    "style",
-    "Shading",
-    [
-      {value: "smooth", text: "Smooth"},
-      {value: "split", text: "Both"},
-      {value: "lines", text: "Hidden line"},
-    ],
-    () => this.update(),
-  );
-  private readonly colouring = choice<Colouring>(
-    "colouring",
-    "Colour",
-    [
-      {value: "plain", text: "Plain"},
-      {value: "aspect", text: "Aspect ratio"},
-      {value: "distance", text: "Distance error"},
-      {value: "component", text: "Component"},
-      {value: "level", text: "Level of vertex"},
-    ],
-    () => this.update(),
+  private readonly style = choice<Style>("style", "Shading", STYLES, () => this.update());
+  private readonly colouring = choice<Colouring>("colouring", "Colour", COLOURINGS, () =>
+    this.update(),
   );
   private readonly cuts = AXES.map((axis, i) => cutControl(axis, axis === "y", () => this.cut(i)));
+  private readonly filled = checkbox("fill-cuts", "Fill the cut", () => this.fillCuts());
+  private readonly sides = element("div", {class: "sides"});
+  private readonly format = element(
+    "select",
+    {id: "format", "aria-label": "Format of the mesh"},
+    ...FORMATS.map(({value, text}) => element("option", {value}, text)),
+  );
+  private readonly components = new ComponentChoice(() => this.componentsChanged());
+  private readonly componentList = new ComponentList(this.components);
   private scene: Scene | null = null;
+  private inspector: Inspector | null = null;
   private result!: Result;
   private mesh!: Mesh;
+  private orientation!: Orientation;
   private shapes: LevelShape[] = [];
   private colourLegend: Legend | null = null;
 
@@ -108,7 +134,10 @@ class PageView {
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this.setTheme(dark.matches));
     this.setTheme(dark.matches);
-    await this.open(0);
+    addEventListener("hashchange", () => void this.follow(location.hash).catch(fail));
+    const linked = viewOf(location.hash);
+    await this.open(this.page.results[linked?.result ?? 0] ? (linked?.result ?? 0) : 0);
+    if (linked) this.show(linked);
   }
 
   private build(): void {
@@ -121,13 +150,44 @@ class PageView {
       "change",
       () => void this.open(Number(this.which.value)).catch(fail),
     );
-    this.theme.addEventListener("click", () =>
-      this.setTheme(document.documentElement.dataset.theme !== "dark"),
+    this.filled.input.checked = true;
+    this.fullScreen.hidden = !document.fullscreenEnabled;
+    this.stage.addEventListener("fullscreenchange", () =>
+      this.fullScreen.setAttribute("aria-pressed", `${document.fullscreenElement !== null}`),
     );
-    const worst = element("button", {type: "button", id: "worst"}, "Worst triangle");
-    worst.addEventListener("click", () => this.showWorst());
-    const reset = element("button", {type: "button", id: "reset"}, "Whole mesh");
-    reset.addEventListener("click", () => this.reset());
+    this.stage.append(
+      element(
+        "header",
+        {},
+        element("div", {class: "titles"}, this.title, this.subtitle),
+        this.which,
+        this.theme,
+        this.fullScreen,
+      ),
+      this.picture,
+      this.legend,
+      this.level.field,
+    );
+    document.body.append(
+      element(
+        "main",
+        {},
+        this.stage,
+        element(
+          "div",
+          {class: "panel"},
+          element("section", {class: "controls", "aria-label": "View"}, ...this.controls()),
+          this.facts,
+          this.madeBy,
+          element("footer", {class: "soft"}, `isoatlas ${this.page.version}`),
+        ),
+      ),
+    );
+  }
+
+  private controls(): HTMLElement[] {
+    const group = (legend: string, ...children: HTMLElement[]): HTMLElement =>
+      element("fieldset", {}, element("legend", {}, legend), ...children);
     const help = element(
       "details",
       {class: "help"},
@@ -138,48 +198,36 @@ class PageView {
         ...HELP.flatMap(([what, how]) => [element("dt", {}, what), element("dd", {}, how)]),
       ),
     );
-    document.body.append(
+    return [
+      this.style.field,
+      this.colouring.field,
+      group("View from", this.sides),
+      group("Cut", ...this.cuts.map(({field}) => field), this.filled.field),
       element(
-        "main",
-        {},
-        element(
-          "section",
-          {class: "stage", "aria-label": "Mesh"},
-          element(
-            "header",
-            {},
-            element("div", {class: "titles"}, this.title, this.subtitle),
-            this.which,
-            this.theme,
-          ),
-          element("div", {class: "picture"}, this.canvas, this.overlay.svg),
-          this.legend,
-          this.level.field,
-        ),
+        "div",
+        {class: "buttons", id: "tools"},
+        button("worst", "Worst triangle", () => this.showWorst()),
+        button("reset", "Whole mesh", () => this.reset()),
+      ),
+      group(
+        "Save",
         element(
           "div",
-          {class: "panel"},
+          {class: "buttons"},
+          button("save-picture", "Picture", () => this.savePicture(), {title: "As PNG (p)"}),
           element(
-            "section",
-            {class: "controls", "aria-label": "View"},
-            this.style.field,
-            this.colouring.field,
-            element(
-              "fieldset",
-              {},
-              element("legend", {}, "Cut"),
-              ...this.cuts.map(({field}) => field),
-            ),
-            element("div", {class: "buttons"}, worst, reset),
-            this.status,
-            help,
+            "span",
+            {class: "joined"},
+            button("save-mesh", "Mesh as", () => this.saveMesh(), {
+              title: "The components shown, at this level",
+            }),
+            this.format,
           ),
-          this.facts,
-          this.madeBy,
-          element("footer", {class: "soft"}, `isoatlas ${this.page.version}`),
+          button("copy-view", "Link to this view", () => this.linkView()),
         ),
       ),
-    );
+      help,
+    ];
   }
 
   private startScene(): void {
@@ -192,13 +240,24 @@ class PageView {
       this.overlay.svg.remove();
       this.legend.remove();
       document.querySelector(".controls")!.remove();
+      this.fullScreen.remove();
       return;
     }
-    this.scene = new Scene(this.canvas, context, () => {
-      this.overlay.update(this.scene!.camera, this.canvas.clientWidth, this.canvas.clientHeight);
-    });
-    listen(this.canvas, this.scene.camera);
+    this.scene = new Scene(this.canvas, context, () => this.drawOverlay());
+    this.inspector = new Inspector(
+      this.scene,
+      this.overlay,
+      this.components,
+      () => this.inspected(),
+      () => this.drawOverlay(),
+    );
+    this.picture.append(this.inspector.card);
+    document.getElementById("tools")!.prepend(this.inspector.measure);
+    listen(this.canvas, this.scene.camera, this.inspector);
     this.canvas.addEventListener("keydown", (event) => this.key(event));
+    // The cross shows where the keyboard points.
+    for (const event of ["focus", "blur", "keydown", "pointerdown"])
+      this.canvas.addEventListener(event, () => this.drawOverlay());
     this.canvas.addEventListener("webglcontextlost", () =>
       this.setStatus(
         "The browser has lost access to the graphics card. " +
@@ -207,14 +266,24 @@ class PageView {
     );
   }
 
+  private drawOverlay(): void {
+    this.overlay.crosshair = this.canvas.matches(":focus-visible");
+    this.overlay.update(this.scene!.camera, this.canvas.clientWidth, this.canvas.clientHeight);
+  }
+
   private async open(index: number): Promise<void> {
     const result = this.page.results[index];
     const mesh = await readMesh(result);
     this.result = result;
     this.mesh = mesh;
-    this.shapes = mesh.levels.map((level) => new LevelShape(level));
+    const finest = new LevelShape(mesh.levels[mesh.levels.length - 1]);
+    this.shapes = mesh.levels.map((level) =>
+      level === finest.level ? finest : new LevelShape(level, finest),
+    );
+    this.orientation = orientationOf(result);
+    this.which.value = `${index}`;
     this.head(result);
-    this.level.open(mesh.levels.length, mesh.levels.length - 1);
+    this.level.open(result.levels.map(levelName), mesh.levels.length - 1);
     this.colouring.enable(
       "distance",
       mesh.levels.some(({distance}) => distance !== null),
@@ -226,9 +295,15 @@ class PageView {
       "The files do not contain the first level of a vertex.",
     );
     this.overlay.unit = this.lengthUnit();
+    this.overlay.orientation = this.orientation;
+    this.sides.replaceChildren(...this.orientation.sides.map((side) => this.sideButton(side)));
     this.scene?.show(mesh, this.shapes);
+    this.components.hidden.clear();
+    this.components.selected = null;
+    this.scene?.showComponents(this.components.isShown);
+    this.inspector?.reset();
     for (const cut of this.cuts) cut.reset();
-    this.madeBy.replaceChildren(origin(result));
+    this.madeBy.replaceChildren(madeBy(result));
     this.update();
     // The page is ready when the first picture is sent to the screen.
     requestAnimationFrame(() => requestAnimationFrame(() => {
@@ -243,8 +318,20 @@ class PageView {
     this.subtitle.textContent = summary(result);
   }
 
+  private sideButton({name, end, from, up}: Side): HTMLElement {
+    const id = `view-${name.toLowerCase()}`;
+    const text = element("span", {}, `${name} `, element("span", {class: "end"}, end));
+    return button(id, text, () =>
+      this.scene?.camera.lookFrom(new Vector3(...from), new Vector3(...up)),
+    );
+  }
+
   private get shown(): number {
     return Number(this.level.input.value);
+  }
+
+  private get shape(): LevelShape {
+    return this.shapes[this.shown];
   }
 
   /** Unit of positions. Errors are in the unit of the result for every space of the mesh. */
@@ -252,22 +339,36 @@ class PageView {
     return this.result.parameters?.space === "voxel" ? "voxels" : this.result.unit;
   }
 
+  private inspected(): Shown {
+    const space = this.result.parameters?.space;
+    return {
+      mesh: this.mesh,
+      shape: this.shape,
+      unit: this.lengthUnit(),
+      errorUnit: this.result.unit,
+      space: this.orientation.anatomical && typeof space === "string" ? space.toUpperCase() : "",
+      facing: this.scene?.facing ?? 1,
+    };
+  }
+
   private update(): void {
     const level = this.result.levels[this.shown];
     const error = errorText(level, this.result.unit);
-    const last = this.result.levels.length - 1;
-    this.level.setText(`${this.shown} of ${last} · ${plural(level.triangles, "triangle")}`, error);
+    const last = levelName(this.result.levels[this.result.levels.length - 1]);
+    const position = `${levelName(level)} of ${last}`;
+    this.level.setText(`${position} · ${plural(level.triangles, "triangle")}`, error);
     const genus = level.genus == null ? "" : `, genus ${level.genus}`;
     this.canvas.setAttribute(
       "aria-label",
-      `Mesh of ${this.result.title}, level ${this.shown} of ${last}: ` +
+      `Mesh of ${this.result.title}, level ${position}: ` +
         `${plural(level.vertices, "vertex", "vertices")}, ` +
         `${plural(level.triangles, "triangle")}, ` +
         `${plural(level.components, "component")}${genus}, ${error}`,
     );
     this.overlay.worst = null;
     this.overlay.split = this.style.value() === "split";
-    this.setStatus("");
+    if (!this.inspector?.isMeasuring) this.setStatus("");
+    this.inspector?.refresh();
     if (this.scene) {
       this.colourLegend = this.scene.update(
         this.shown,
@@ -275,9 +376,23 @@ class PageView {
         this.colouring.value(),
         this.result.unit,
       );
+      this.filled.input.disabled = !this.scene.canFillCuts();
       this.updateLegend();
     }
-    this.facts.replaceChildren(...facts(this.result, this.shown, this.shapes));
+    const components = this.componentList.open(
+      this.result,
+      this.shape,
+      this.lengthUnit(),
+      this.scene?.facing ?? 1,
+    );
+    this.facts.replaceChildren(...facts(this.result, this.shown, this.shapes, components));
+  }
+
+  private componentsChanged(): void {
+    this.scene?.showComponents(this.components.isShown);
+    this.componentList.refresh();
+    this.inspector?.refresh();
+    this.updateLegend();
   }
 
   private cut(axis: number): void {
@@ -286,82 +401,51 @@ class PageView {
     const share = control.share();
     this.scene.cut(axis, {share, keep: control.keepsAbove() ? "above" : "below"});
     const at = this.mesh.centre[axis] + (2 * share - 1) * this.mesh.half[axis];
+    const sign = control.keepsAbove() ? "≥" : "≤";
     control.setText(
-      this.scene.isCut(axis) ? `${control.keepsAbove() ? "≥" : "≤"} ${number(at, 4)}` : "off",
+      this.scene.isCut(axis) ? `${sign} ${number(at, 4)} ${this.lengthUnit()}` : "off",
     );
     this.updateLegend();
   }
 
+  private fillCuts(): void {
+    this.scene?.fillCuts(this.filled.input.checked);
+    this.updateLegend();
+  }
+
   private updateLegend(): void {
-    const legend = this.colourLegend;
-    const out: HTMLElement[] = [];
-    if (legend?.title) out.push(element("p", {class: "legend-title"}, legend.title));
-    if (legend?.ramp) {
-      const bar = element("div", {class: "bar"});
-      bar.style.background = `linear-gradient(to right, ${legend.ramp.colours.join(", ")})`;
-      out.push(
-        element(
-          "div",
-          {class: "ramp"},
-          bar,
-          element(
-            "div",
-            {class: "ends"},
-            ...legend.ramp.ticks.map((text) => element("span", {}, text)),
-          ),
-        ),
-      );
+    const more: {colour: string; name: string}[] = [];
+    if (this.scene && AXES.some((_, axis) => this.scene!.isCut(axis))) {
+      if (this.scene.areCutsFilled) more.push({colour: "var(--cap)", name: "cut"});
+      else more.push({colour: "var(--inside)", name: "inside"});
     }
-    if (legend?.steps) {
-      const {colours, shares, ticks} = legend.steps;
-      const bar = element("div", {class: "bar"}, ...colours.map((colour, i) => {
-        const step = element("span");
-        step.style.background = colour;
-        step.style.flexGrow = `${shares[i]}`;
-        return step;
-      }));
-      const below = element("div", {class: "ticks"}, ...ticks.map(({at, text}) => {
-        const tick = element("span", {}, text);
-        tick.style.left = `${100 * at}%`;
-        return tick;
-      }));
-      out.push(element("div", {class: "ramp"}, bar, below));
-    }
-    const classes = [...(legend?.classes ?? [])];
-    if (this.scene && AXES.some((_, axis) => this.scene!.isCut(axis)))
-      classes.push({colour: "var(--inside)", name: "inside"});
-    if (classes.length > 0) {
-      out.push(element("ul", {class: "classes"}, ...classes.map(({colour, name}) => {
-        const swatch = element("span", {class: "swatch"});
-        swatch.style.background = colour;
-        return element("li", {}, swatch, name);
-      })));
-    }
-    if (legend?.note) out.push(element("p", {}, legend.note));
-    this.legend.replaceChildren(...out);
+    this.legend.replaceChildren(...legendOf(this.colourLegend, more));
   }
 
   private showWorst(): void {
-    const worst = this.shapes[this.shown].worst();
+    const worst = this.shape.worst();
     if (!worst || !this.scene) return;
+    const component = this.shape.componentOf(worst.triangle);
+    if (!this.components.isShown(component)) this.components.show(component, true);
     this.overlay.worst = worst;
     this.scene.centre(worst, this.shown);
     const [x, y, z] = toFile(worst.centroid, this.mesh.centre).map((v) => number(v, 5));
     this.setStatus(
-      `The worst triangle of level ${this.shown} has aspect ratio ${number(worst.ratio)}, ` +
-        `at (${x}, ${y}, ${z}).`,
+      `The worst triangle of level ${levelName(this.result.levels[this.shown])} has aspect ratio ` +
+        `${number(worst.ratio)}, at (${x}, ${y}, ${z}).`,
     );
   }
 
   private reset(): void {
     this.overlay.worst = null;
-    this.setStatus("");
+    this.inspector?.reset();
     for (const cut of this.cuts) cut.reset();
+    this.components.reset();
     this.scene?.camera.goHome();
   }
 
   private setStatus(text: string): void {
-    this.status.textContent = text;
+    this.inspector?.setStatus(text);
   }
 
   private setTheme(dark: boolean): void {
@@ -378,6 +462,95 @@ class PageView {
     );
   }
 
+  private toggleFullScreen(): void {
+    const done = document.fullscreenElement
+      ? document.exitFullscreen()
+      : this.stage.requestFullscreen();
+    done.catch(() => this.setStatus("The browser does not allow full screen here."));
+  }
+
+  private get fileStem(): string {
+    return `${fileStem(this.result.title)}_level_${levelName(this.result.levels[this.shown])}`;
+  }
+
+  private savePicture(): void {
+    if (!this.scene) return;
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    pngOf({
+      withPicture: (ratio, use) => this.scene!.withPicture(ratio, use),
+      overlay: this.overlay.svg,
+      width,
+      height,
+      background: getComputedStyle(this.stage).backgroundColor,
+    }).then(
+      (png) => download(`${this.fileStem}.png`, png),
+      (reason) => this.setStatus(`The picture was not saved: ${String(reason)}.`),
+    );
+  }
+
+  private saveMesh(): void {
+    const {level} = this.shape;
+    const {list, of} = this.shape.components();
+    const part = partOf({...level, centre: this.mesh.centre}, (triangle) =>
+      this.components.isShown(of[level.triangles[3 * triangle]]),
+    );
+    const triangles = part.triangles.length / 3;
+    const name = `${this.fileStem}.${this.format.value}`;
+    const space = this.result.parameters?.space;
+    const bytes = meshFile(this.format.value as MeshFormat, part, {
+      comment: `isoatlas ${this.page.version}, ${name}`.replace(/[^\x20-\x7e]/g, "?"),
+      space: space === "lps" || space === "ras" ? space.toUpperCase() : null,
+    });
+    download(name, new Blob([bytes as BlobPart]));
+    const all = list.length;
+    const shown = all - this.components.hidden.size;
+    this.setStatus(
+      `Saved ${name}: ${shown < all ? `${count(shown)} of ` : ""}${plural(all, "component")}, ` +
+        `${plural(triangles, "triangle")}. Cuts do not apply to saved meshes.`,
+    );
+  }
+
+  private linkView(): void {
+    const text = viewText({
+      result: this.page.results.indexOf(this.result),
+      level: this.shown,
+      style: this.style.value(),
+      colouring: this.colouring.value(),
+      pose: this.scene!.camera.pose,
+      cuts: this.cuts.map((cut) => cut.state()),
+      filled: this.filled.input.checked,
+      hidden: [...this.components.hidden],
+    });
+    history.replaceState(null, "", `#${text}`);
+    const stated = "The address of this page now contains the view";
+    const done = (): void => this.setStatus(`${stated}, and is in the clipboard.`);
+    const failed = (): void => this.setStatus(`${stated}: copy it from the address bar.`);
+    if (navigator.clipboard) navigator.clipboard.writeText(location.href).then(done, failed);
+    else failed();
+  }
+
+  private async follow(hash: string): Promise<void> {
+    const view = viewOf(hash);
+    if (!view) return;
+    const result = this.page.results[view.result];
+    if (result && result !== this.result) await this.open(view.result);
+    this.show(view);
+  }
+
+  /** Shows a linked view. What this page does not have is left as it is. */
+  private show(view: LinkedView): void {
+    if (view.level < this.mesh.levels.length) this.level.input.value = `${view.level}`;
+    this.style.set(view.style as Style);
+    this.colouring.set(view.colouring as Colouring);
+    this.filled.input.checked = view.filled;
+    this.fillCuts();
+    view.cuts.forEach((cut, axis) => this.cuts[axis].set(cut));
+    this.update();
+    const all = this.shape.components().list.length;
+    this.components.set(view.hidden.filter((component) => component < all));
+    this.scene?.camera.set(view.pose);
+  }
+
   private step(by: number): void {
     const {input} = this.level;
     const before = input.value;
@@ -390,6 +563,12 @@ class PageView {
     const {camera} = this.scene;
     const arrow = (right: number, down: number) => (): void =>
       event.shiftKey ? camera.pan(30 * right, 30 * down) : camera.rotate(24 * right, 24 * down);
+    const axis = (k: number) => (): void => {
+      const from = new Vector3().setComponent(k, k === 1 ? -1 : 1);
+      camera.lookFrom(from);
+    };
+    const {inspector} = this;
+    const sides = [...this.sides.children] as HTMLElement[];
     const actions: Record<string, () => void> = {
       ArrowLeft: arrow(-1, 0),
       ArrowRight: arrow(1, 0),
@@ -403,14 +582,30 @@ class PageView {
       "[": () => this.step(-1),
       "]": () => this.step(1),
       w: () => this.showWorst(),
-      x: () => camera.lookAlong(0),
-      y: () => camera.lookAlong(1),
-      z: () => camera.lookAlong(2),
+      x: axis(0),
+      y: axis(1),
+      z: axis(2),
+      ...Object.fromEntries(sides.map((side, i) => [`${i + 1}`, () => side.click()])),
+      Enter: () =>
+        inspector?.clicked({x: this.canvas.clientWidth / 2, y: this.canvas.clientHeight / 2}),
+      m: () => inspector?.setMeasuring(!inspector.isMeasuring),
+      Escape: () => this.end(),
+      h: () => inspector?.hideSelected(),
+      i: () => inspector?.isolateSelected(),
+      a: () => this.components.set([]),
+      f: () => this.toggleFullScreen(),
+      p: () => this.savePicture(),
     };
     const action = actions[event.key];
     if (!action) return;
     event.preventDefault();
     action();
+  }
+
+  /** Ends measuring and the selection. */
+  private end(): void {
+    this.inspector?.reset();
+    this.components.select(null);
   }
 
   /** The shown state, read-only, for scripts and tests. */
@@ -420,17 +615,27 @@ class PageView {
       Object.fromEntries(
         Object.entries({
           result: () => this.page.results.indexOf(this.result),
+          /** Index of the shown level; 0 is the coarsest. */
           level: () => this.shown,
           style: () => this.style.value(),
           colouring: () => this.colouring.value(),
           moving: () => this.scene?.camera.moving ?? false,
           frames: () => this.scene?.frames ?? 0,
           zoom: () => this.scene?.camera.pose.zoom ?? 1,
+          /** Rotation of the camera as a quaternion x, y, z, w. */
+          rotation: () => this.scene?.camera.pose.rotation.toArray(),
           centre: () => this.mesh.centre,
-          components: () => this.shapes[this.shown].components().list,
+          components: () => this.shape.components().list,
+          /** Per component its bounding box relative to the centre, area and volume. */
+          measures: () => this.shape.measures(),
+          /** Indices of the hidden components, and of the selected one. */
+          hidden: () => [...this.components.hidden],
+          selected: () => this.components.selected,
+          /** Measured points in the coordinates of the file, and their distance. */
+          measured: () => this.inspector?.measured,
           /** The worst triangle of the shown level. */
           worst: () => {
-            const worst = this.shapes[this.shown].worst();
+            const worst = this.shape.worst();
             return (
               worst && {
                 triangle: worst.triangle,
@@ -444,6 +649,17 @@ class PageView {
             this.scene?.camera.project(
               new Vector3(...(point.map((v, axis) => v - this.mesh.centre[axis]) as Triple)),
             ),
+          /** What is at a pixel: its position in the file, the component; null: nothing. */
+          pick: () => (x: number, y: number) => {
+            const picked = this.scene?.pick(x, y);
+            return picked
+              ? {
+                  point: toFile(picked.point, this.mesh.centre),
+                  triangle: picked.triangle,
+                  component: picked.component,
+                }
+              : null;
+          },
           /** The picture as a data URL. */
           picture: () => () => {
             this.scene?.render();
