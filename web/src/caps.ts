@@ -23,7 +23,7 @@ import {
   type WebGLRenderer,
 } from "three";
 
-import {CAP_FRAGMENT, CAP_VERTEX, COUNT_FRAGMENT, COUNT_VERTEX} from "./shaders";
+import {CAP_FRAGMENT, CAP_VERTEX, countFragment, countVertex} from "./shaders";
 
 /** The count 0 in the stencil buffer, so that counts below 0 are possible. */
 const ZERO = 128;
@@ -49,9 +49,10 @@ export class Caps {
   constructor({at, side}: Planes) {
     this.planes = {cutAt: {value: at}, cutSide: {value: side}};
     for (const facing of [FrontSide, BackSide] as const) {
-      const material = this.counting(facing);
-      for (const list of [this.solids, this.closings]) {
-        const solid = new Solid(new BufferGeometry(), material);
+      // The triangles that close a flat end overlap. At the centre of a pixel, all of them are on
+      // the same side of a cut.
+      for (const [list, place] of [[this.solids, "centroid"], [this.closings, ""]] as const) {
+        const solid = new Solid(new BufferGeometry(), this.counting(facing, place));
         solid.frustumCulled = false;
         this.counted.add(solid);
         list.push(solid);
@@ -78,11 +79,11 @@ export class Caps {
     this.drawn.add(this.quad);
   }
 
-  private counting(side: Side): RawShaderMaterial {
+  private counting(side: Side, place: string): RawShaderMaterial {
     return new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: COUNT_VERTEX,
-      fragmentShader: COUNT_FRAGMENT,
+      vertexShader: countVertex(place),
+      fragmentShader: countFragment(place),
       side,
       uniforms: {...this.planes, axis: this.axis},
       colorWrite: false,
@@ -130,10 +131,12 @@ export class Caps {
 
   /** @param ofBackFaces whether the back faces are the exits */
   private countExits(ofBackFaces: boolean): void {
-    this.solids.forEach(({material}, i) => {
-      const isExit = (i === 1) === ofBackFaces;
-      material.stencilZPass = isExit ? IncrementStencilOp : DecrementStencilOp;
-    });
+    for (const list of [this.solids, this.closings]) {
+      list.forEach(({material}, i) => {
+        const isExit = (i === 1) === ofBackFaces;
+        material.stencilZPass = isExit ? IncrementStencilOp : DecrementStencilOp;
+      });
+    }
   }
 
   private placeQuad(axis: number, half: readonly number[]): void {

@@ -105,12 +105,13 @@ void main() {
 }`;
 
 // Filled cuts (caps.ts): surfaces are counted beyond one plane, whatever their depth.
-export const COUNT_VERTEX = `
+// @param place how positions are interpolated: "centroid", or "" at the centre of the pixel
+export const countVertex = (place: string): string => `
 precision highp float;
 in vec3 position;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-centroid out vec3 vPlace;
+${place} out vec3 vPlace;
 
 void main() {
   vPlace = position;
@@ -118,9 +119,9 @@ void main() {
   gl_Position.z = 0.0;  // never outside the near and far planes
 }`;
 
-export const COUNT_FRAGMENT = `
+export const countFragment = (place: string): string => `
 precision highp float;
-centroid in vec3 vPlace;
+${place} in vec3 vPlace;
 uniform vec3 cutAt;
 uniform vec3 cutSide;
 uniform vec3 axis;  // of the plane: 1 in one component
