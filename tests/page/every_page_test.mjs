@@ -101,7 +101,7 @@ describe("every page", () => {
       for (const colour of [
         "aspect",
         "component",
-        "level",
+        ...(result.nested === false ? [] : ["level"]),
         ...(result.geometry.levels.some((l) => l.distance) ? ["distance"] : []),
       ])
         await choose(page, `colouring-${colour}`);

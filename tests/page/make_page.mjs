@@ -66,17 +66,21 @@ export function sphere(times, [cx, cy, cz], radius) {
   };
 }
 
-/** Splits each triangle into four. Old vertices keep their indices, as in nested levels. */
-export function subdivide({positions, triangles}, moved = (p) => p) {
+/**
+ * Splits each triangle into four. Old vertices keep their indices, as in nested levels.
+ * @param selects by the triangle's vertices: whether it is split
+ */
+export function subdivide({positions, triangles}, selects = () => true) {
   const out = positions.slice();
   const middle = new Map();
   const between = (a, b) => {
     const key = `${Math.min(a, b)} ${Math.max(a, b)}`;
     if (!middle.has(key))
-      middle.set(key, out.push(moved(out[a].map((x, i) => (x + out[b][i]) / 2))) - 1);
+      middle.set(key, out.push(out[a].map((x, i) => (x + out[b][i]) / 2)) - 1);
     return middle.get(key);
   };
   const subdivided = triangles.flatMap(([a, b, c]) => {
+    if (!selects([a, b, c])) return [[a, b, c]];
     const [d, e, f] = [between(a, b), between(b, c), between(c, a)];
     return [[a, d, f], [d, b, e], [f, e, c], [d, e, f]];
   });
@@ -470,6 +474,26 @@ export const pages = {
       result.levels[0].level = 1;
       result.nested = false;
       return result;
+    }),
+  // The ball has fewer triangles than the ring in the coarse level, and more in the fine one.
+  reordered: () =>
+    page((g) => {
+      const ball = sphere(0, [40, 0, 0], 10);
+      const coarse = join_meshes(ball, torus(9, 5, [0, 0, 0], 20, 6));
+      let fine = coarse;
+      for (let k = 0; k < 3; ++k)
+        fine = subdivide(fine, (corners) => corners.some((v) => fine.positions[v][0] > 29));
+      const topology = {
+        components: 2,
+        euler: 2,
+        genus: 1,
+        loops: 0,
+        kinds: [
+          {genus: 0, boundary_loops: 0, count: 1},
+          {genus: 1, boundary_loops: 0, count: 1},
+        ],
+      };
+      return makeResult(g, [coarse, fine], topology, {title: "reordered"});
     }),
   several: () =>
     page(
