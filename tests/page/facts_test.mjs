@@ -113,6 +113,19 @@ test("inverted components and dropped components", {timeout: 2 * SLOW}, async ()
   await close();
 });
 
+test("a mesh that is not a manifold", {timeout: 2 * SLOW}, async () => {
+  const {page, trouble, close} = await open(fileOf("torn").path);
+  assert.match(await page.locator("#not-manifold").textContent(), /Not an oriented manifold/);
+  const [[, triangles, area, volume], [more]] = await rows(page, "#components");
+  assert.deepEqual([triangles, area, volume], ["3", "24", "–"]);
+  assert.equal(more, "4 × 4 × 8 mm · not a manifold");
+  assert.ok(await page.locator("#fill-cuts").isDisabled(), "it has no inside");
+  await slide(page, "#cut-x", 0.5);
+  assert.match(await page.locator("#legend").textContent(), /inside$/);
+  assert.deepEqual(trouble, []);
+  await close();
+});
+
 test("hostile text stays text", {timeout: 2 * SLOW}, async () => {
   const {page, trouble, close} = await open(fileOf("hostile").path);
   const {results: [result]} = fileOf("hostile");

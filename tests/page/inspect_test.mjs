@@ -104,7 +104,7 @@ test("what is measured between two clicks", {timeout: 2 * SLOW}, async () => {
   await close();
 });
 
-test("touch measures, too", {timeout: 2 * SLOW}, async () => {
+test("touch selects and measures, too", {timeout: 2 * SLOW}, async () => {
   const {page, trouble, close} = await open(fileOf("balls").path, {
     width: 360,
     height: 740,
@@ -112,13 +112,20 @@ test("touch measures, too", {timeout: 2 * SLOW}, async () => {
   });
   await page.locator("#view-front").tap();
   await settled(page);
-  await page.locator("#measure").tap();
-  for (const point of [[0, -20, 0], [40, -10, 0]]) {
+  const tap = async (point) => {
     await page.locator("#view").scrollIntoViewIfNeeded();
     const {x, y} = await placeOf(page, point);
     await page.touchscreen.tap(x, y);
     await drawn(page);
-  }
+  };
+  await tap([0, -20, 0]);
+  assert.match(await page.locator("#readout").textContent(), /mm LPS · error here at most .* mm/);
+  assert.equal(await state(page, "selected"), 0);
+  await page.locator("#hide-selected").tap();
+  assert.deepEqual(await state(page, "hidden"), [0]);
+  await page.locator("#show-all").tap();
+  await page.locator("#measure").tap();
+  for (const point of [[0, -20, 0], [40, -10, 0]]) await tap(point);
   const {distance} = await state(page, "measured");
   assert.ok(Math.abs(distance - Math.hypot(40, 10)) < 1, `${distance}`);
   const {scroll, client} = await page.evaluate(() => ({

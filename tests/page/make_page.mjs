@@ -475,6 +475,18 @@ export const pages = {
       result.nested = false;
       return result;
     }),
+  // Three triangles share an edge.
+  torn: () =>
+    page((g) => {
+      const mesh = {
+        positions: [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [0, 0, -4]],
+        triangles: [[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+      };
+      const topology = {components: 1, euler: null, genus: null, loops: null, kinds: null};
+      const result = makeResult(g, [mesh], topology, {title: "torn", reference: null});
+      Object.assign(result.levels[0], {manifold: false, certificate: null});
+      return result;
+    }),
   // The ball has fewer triangles than the ring in the coarse level, and more in the fine one.
   reordered: () =>
     page((g) => {

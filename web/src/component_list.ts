@@ -124,7 +124,8 @@ export class ComponentList {
   private row(i: number, shape: LevelShape, unit: string, facing: number): HTMLTableRowElement[] {
     const {list} = shape.components();
     const {triangles, genus, boundaryLoops} = list[i];
-    const text = measuresText(shape.measures()[i], boundaryLoops === 0, facing, unit);
+    const isManifold = shape.level.facts.manifold !== false;
+    const text = measuresText(shape.measures()[i], shape.encloses(i), facing, unit);
     const shown = element("input", {
       type: "checkbox",
       id: `shown-${i + 1}`,
@@ -147,8 +148,8 @@ export class ComponentList {
     const more = element("tr", {class: "more"});
     const kind = [
       text.extent,
-      Number.isFinite(genus) ? `genus ${number(genus)}` : "",
-      boundaryLoops > 0 ? `open: ${plural(boundaryLoops, "loop")}` : "",
+      isManifold ? `genus ${number(genus)}` : "not a manifold",
+      isManifold && boundaryLoops > 0 ? `open: ${plural(boundaryLoops, "loop")}` : "",
       text.cavity ? "cavity" : "",
     ];
     more.append(element("td", {colspan: "5", class: "soft"}, kind.filter(Boolean).join(" · ")));

@@ -70,7 +70,10 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera, listener: List
     pressed = null;
     up(event);
   });
-  canvas.addEventListener("pointerleave", () => listener.pointedAt(null));
+  canvas.addEventListener("pointerleave", (event) => {
+    // A finger leaves with every tap; what it tapped stays described.
+    if (event.pointerType !== "touch") listener.pointedAt(null);
+  });
   canvas.addEventListener("pointercancel", (event) => {
     pressed = null;
     up(event);

@@ -27,7 +27,11 @@ export interface Shown {
 
 export class Inspector implements Listener {
   private readonly readout = element("output", {id: "readout", class: "readout"});
-  private readonly selection = element("div", {id: "selection", class: "selection"});
+  private readonly selection = element("div", {
+    id: "selection",
+    class: "selection",
+    "aria-live": "polite",
+  });
   private readonly status = element("p", {class: "status", id: "status", role: "status"});
   readonly card = element("div", {class: "card"}, this.readout, this.selection, this.status);
   /** Turns measuring on and off. */
@@ -76,9 +80,9 @@ export class Inspector implements Listener {
 
   clicked({x, y}: Point): void {
     const picked = this.scene.pick(x, y);
-    this.showReadout(picked);
     if (this.measuring) this.addPoint(picked);
     else this.choice.select(picked?.component ?? null);
+    this.showReadout(picked);
   }
 
   setMeasuring(on: boolean): void {
@@ -158,13 +162,14 @@ export class Inspector implements Listener {
     const list = selected === null ? [] : this.shown().shape.components().list;
     if (selected !== null && selected < list.length) {
       const {shape, unit, facing} = this.shown();
-      const {triangles, boundaryLoops} = list[selected];
-      const text = measuresText(shape.measures()[selected], boundaryLoops === 0, facing, unit);
+      const {triangles} = list[selected];
+      const encloses = shape.encloses(selected);
+      const text = measuresText(shape.measures()[selected], encloses, facing, unit);
       const sizes = [
         plural(triangles, "triangle"),
         text.extent,
         `area ${text.area} ${unit}²`,
-        boundaryLoops === 0 ? `volume ${text.volume} ${unit}³` : "open",
+        encloses ? `volume ${text.volume} ${unit}³` : "not closed",
       ];
       this.selection.append(
         element("p", {}, element("strong", {}, `Component ${selected + 1}`),

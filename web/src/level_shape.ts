@@ -40,6 +40,12 @@ export class LevelShape {
       this.components().list.length,
     ));
 
+  /** Whether a component has an inside. */
+  encloses(component: number): boolean {
+    const {list} = this.components();
+    return this.level.facts.manifold !== false && list[component].boundaryLoops === 0;
+  }
+
   componentOf(triangle: number): number {
     return this.components().of[this.level.triangles[3 * triangle]];
   }
