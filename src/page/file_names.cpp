@@ -13,15 +13,9 @@ namespace {
 // The options of `isoatlas extract` whose values are paths.
 constexpr std::array<std::string_view, 4> kPathOptions{"-o", "--output", "--report", "--html"};
 
-// A word of a command line.
-struct Word {
-  std::string text;        ///< without quotes
-  bool is_quoted = false;  ///< whether it needs quotes in a shell
-};
-
-// The words of a command line in which single quotes and backslashes quote.
-std::vector<Word> words_of(const std::string& command) {
-  std::vector<Word> words;
+// The words of a command line in which single quotes and backslashes quote, without quotes.
+std::vector<std::string> words_of(const std::string& command) {
+  std::vector<std::string> words;
   bool is_inside_quotes = false, is_in_word = false;
   for (std::size_t i = 0; i < command.size(); ++i) {
     const char c = command[i];
@@ -31,22 +25,23 @@ std::vector<Word> words_of(const std::string& command) {
     }
     if (!is_in_word) words.emplace_back();
     is_in_word = true;
-    if (c == '\'') {
+    if (c == '\'')
       is_inside_quotes = !is_inside_quotes;
-      words.back().is_quoted = true;
-    } else if (c == '\\' && !is_inside_quotes && i + 1 < command.size()) {
-      words.back().text += command[++i];
-    } else {
-      words.back().text += c;
-    }
+    else if (c == '\\' && !is_inside_quotes && i + 1 < command.size())
+      words.back() += command[++i];
+    else
+      words.back() += c;
   }
   return words;
 }
 
-std::string quoted(const Word& word) {
-  if (!word.is_quoted) return word.text;
+// A word for a shell, with quotes if it needs them.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
   std::string out = "'";
-  for (const char c : word.text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
 }
 
@@ -73,13 +68,13 @@ std::string file_name(const std::string& path) {
 std::string with_file_names(const std::string& command, const std::string& volume) {
   std::string out;
   bool is_value = false;  // of an option whose value is a path
-  for (Word& word : words_of(command)) {
-    if (const std::size_t option = option_length(word.text); option > 0)
-      word.text = word.text.substr(0, option) + file_name(word.text.substr(option));
-    else if (is_value || word.text == volume)
-      word.text = file_name(word.text);
-    is_value = std::ranges::find(kPathOptions, word.text) != kPathOptions.end();
-    out += (out.empty() ? "" : " ") + quoted(word);
+  for (std::string& word : words_of(command)) {
+    if (const std::size_t option = option_length(word); option > 0)
+      word = word.substr(0, option) + file_name(word.substr(option));
+    else if (is_value || word == volume)
+      word = file_name(word);
+    is_value = std::ranges::find(kPathOptions, word) != kPathOptions.end();
+    out += (out.empty() ? "" : " ") + shell_word(word);
   }
   return out;
 }

@@ -23,7 +23,7 @@ TEST(FileNames, ReplaceThePathsOfACommand) {
             "isoatlas extract series -oa.ply --iso 1");
   EXPECT_EQ(with_file_names("isoatlas extract '/p/it'\\''s me/a b.nrrd' '--output=/p q/c.ply'",
                             "/p/it's me/a b.nrrd"),
-            "isoatlas extract 'a b.nrrd' '--output=c.ply'");
+            "isoatlas extract 'a b.nrrd' --output=c.ply");
 }
 
 TEST(FileNames, KeepOtherWords) {
