@@ -16,6 +16,7 @@ import {
   open,
   pickAt,
   picture,
+  pixelOf,
   placeOf,
   rows,
   settled,
@@ -182,10 +183,20 @@ test("components are hidden and isolated", {timeout: 3 * SLOW}, async () => {
   assert.equal((await pickAt(page, [0, -6, 40])).component, 2);
   await changes(page, "two", () => page.locator("#shown-1").click());
   assert.deepEqual(await state(page, "hidden"), [1, 3]);
+  // A view from a side fits what is shown.
+  await page.locator("#only-3").click();
+  const zoom = await state(page, "zoom");
+  await page.locator("#view-right").click();
+  await settled(page);
+  assert.ok((await state(page, "zoom")) > 1.5 * zoom);
+  const {width, height} = await page.locator("#view").boundingBox();
+  assert.ok(near(await pixelOf(page, [0, 0, 40]), [width / 2, height / 2], 3), "at the centre");
   // With the keyboard: what is at the centre of the picture.
   await page.locator("#view").focus();
   await page.keyboard.press("a");
   assert.deepEqual(await state(page, "hidden"), []);
+  await front(page);
+  await page.locator("#view").focus();
   for (let step = 0; step < 4; ++step) await page.keyboard.press("Shift+ArrowRight");
   await page.keyboard.press("Enter");
   assert.equal(await state(page, "selected"), 0);

@@ -33,7 +33,8 @@ export class Camera {
   readonly pose: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
   moving = false;
   private home: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
-  private positions: Float32Array = new Float32Array();
+  /** What fits into the picture when it is seen from a side. */
+  framed: Float32Array = new Float32Array();
   /** Half the size of the mesh in the home view; zoom 1 shows all of it. */
   private extent: [number, number] = [1, 1];
   private radius = 1;
@@ -44,7 +45,7 @@ export class Camera {
 
   /** Sets the home view. @param positions of the mesh, around 0 */
   setHome(positions: Float32Array): void {
-    this.positions = positions;
+    this.framed = positions;
     let farthest = 0;
     for (let i = 0; i < positions.length; i += 3) {
       const [x, y, z] = [positions[i], positions[i + 1], positions[i + 2]];
@@ -58,9 +59,9 @@ export class Camera {
     this.set(this.home);
   }
 
-  /** The outline of the mesh in a view: half its size, and its centre. */
+  /** The outline of what is framed in a view: half its size, and its centre. */
   private outline(rotation: Quaternion): {target: Vector3; extent: [number, number]} {
-    const {positions} = this;
+    const positions = this.framed;
     const right = X.clone().applyQuaternion(rotation);
     const up = Y.clone().applyQuaternion(rotation);
     const low = [Infinity, Infinity];
@@ -156,7 +157,7 @@ export class Camera {
     this.glide(this.home);
   }
 
-  /** Shows the whole mesh from a direction. @param up what is up in the picture */
+  /** Shows all that is framed from a direction. @param up what is up in the picture */
   lookFrom(from: Vector3, up?: Vector3): void {
     const rotation = rotationFrom(from, up);
     const {target, extent} = this.outline(rotation);

@@ -200,6 +200,12 @@ export class Scene {
     prepared.geometry.setIndex(
       all ? null : new BufferAttribute(Uint32Array.from(corners), 1),
     );
+    // An empty picture keeps its frame.
+    if (all) this.camera.framed = positions;
+    else if (corners.length > 0)
+      this.camera.framed = Float32Array.from(
+        corners.flatMap((i) => [0, 1, 2].map((axis) => positions[3 * triangles[i] + axis])),
+      );
     const fans = closingFans(positions, loops.filter(([v]) => this.isShown(of[v])));
     prepared.closing.setAttribute("position", new BufferAttribute(fans, 3));
   }
