@@ -17,7 +17,8 @@ export interface LinkedView {
   hidden: number[];
 }
 
-const short = (v: number): string => `${Number(v.toPrecision(6))}`;
+/** More digits than the picture's floats have, so that the same pixels are drawn. */
+const short = (v: number): string => `${Number(v.toPrecision(10))}`;
 
 export function viewText({pose, ...view}: LinkedView): string {
   const {target, rotation, zoom} = pose;
