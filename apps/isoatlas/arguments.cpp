@@ -321,7 +321,7 @@ docs/reference/report.md. - is standard output, if the mesh does not go there.
 )")->type_name("FILE")->group(kOutput);
   command->add_option("--html", arguments.page, R"(
 Write a page that shows the levels in 3-D with their data. It opens in any browser, without a
-network. See docs/report.md.
+network. It names files without their folders. See docs/report.md.
 )")->type_name("FILE")->group(kOutput);
   add_value(*command, kOutput, "--space", "SPACE", R"(
 Coordinates of the mesh. lps: world coordinates as in ITK. ras: the same with x and y negated.

@@ -256,6 +256,7 @@ ManPage::Text report_page() {
 Writes one HTML file that shows results in 3-D, level by level, with their topology, certificate,
 shape and errors. It needs only a browser. For a report, the page also shows the command that made
 the mesh and, if the volume is still there, compares the shape of the triangles with marching cubes.
+It names files without their folders.
 )",
       .groups = {kInput, kOutput, kRunning},
       .sections = {{"Examples",

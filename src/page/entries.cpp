@@ -15,6 +15,7 @@
 #include "isoatlas/mesh_file.h"
 #include "isoatlas/text_file.h"
 #include "isoatlas/volume_file.h"
+#include "page/file_names.h"
 #include "page/page.h"
 #include "report/json_values.h"
 
@@ -221,16 +222,18 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
                    const std::vector<std::size_t>& numbers,
                    const std::optional<MeshQuality>& marching_cubes, bool nested = true) {
   const std::string volume = volume_of(json);
-  std::string name = fs::path(volume.empty() ? path : volume).filename().string();
-  if (name.empty()) name = fs::path(volume).parent_path().filename().string();  // a folder
+  const std::string name = page::file_name(volume.empty() ? path : volume);
   std::array<char, 32> isovalue{};
   std::snprintf(isovalue.data(), isovalue.size(), "%g",
                 json["surface"].at("isovalue").get<double>());
   Json facts = empty_facts(name + " at " + isovalue.data());
   const Json unit = json["input"].value("unit", Json());
   facts["unit"] = unit.is_string() ? unit : Json("units");
-  facts["command"] = json.value("command", Json());
+  const Json command = json.value("command", Json());
+  if (command.is_string())
+    facts["command"] = page::with_file_names(command.get<std::string>(), volume);
   for (const char* key : {"parameters", "input", "surface", "reference"}) facts[key] = json[key];
+  if (!volume.empty()) facts["input"]["path"] = name;
   for (const char* choice : {"kept", "dropped"}) {
     if (json.contains(choice) && !json[choice].empty()) facts[choice] = sizes_of(json[choice]);
   }

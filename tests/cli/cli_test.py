@@ -2660,6 +2660,26 @@ class Page(ToolTest):
         self.assertEqual([len(r["levels"]) for r in page["results"]], [3, 3, 1])
         self.assertEqual(page["results"][2]["levels"][0]["genus"], 0)
 
+    def test_folders_are_left_out(self):
+        (self.folder / "Jane Doe").mkdir()
+        (self.folder / "sphere.nrrd").rename(self.folder / "Jane Doe" / "s.nrrd")
+        folder = self.folder / "Jane Doe"
+        self.succeed("extract", str(folder / "s.nrrd"), *self.EXTRACT[2:], "-o",
+                     str(folder / "s.glb"), "--report", "s.json", "--html", str(folder / "a.html"))
+        self.succeed("report", "s.json", "-o", "b.html")
+        for page in (folder / "a.html", self.folder / "b.html"):
+            result, = page_parts(page)[0]["results"]
+            self.assertEqual(result["input"]["path"], "s.nrrd")
+            self.assertEqual(
+                result["command"],
+                " ".join(["isoatlas", "extract", "s.nrrd", *self.EXTRACT[2:], "-o", "s.glb",
+                          "--report", "s.json", "--html", "a.html"]))
+            self.assertIsNotNone(result["marching_cubes"])
+            text = page.read_text(encoding="utf-8")
+            self.assertNotIn("Jane Doe", text)
+            self.assertNotIn(str(self.folder), text)
+        self.assertIn("Jane Doe", (self.folder / "s.json").read_text())
+
     def test_names_are_escaped_in_html(self):
         name = "</script><b>&amp; 'x'.nrrd".replace("/", "")
         (self.folder / "sphere.nrrd").rename(self.folder / name)

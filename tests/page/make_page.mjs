@@ -66,17 +66,21 @@ export function sphere(times, [cx, cy, cz], radius) {
   };
 }
 
-/** Splits each triangle into four. Old vertices keep their indices, as in nested levels. */
-export function subdivide({positions, triangles}, moved = (p) => p) {
+/**
+ * Splits each triangle into four. Old vertices keep their indices, as in nested levels.
+ * @param selects by the triangle's vertices: whether it is split
+ */
+export function subdivide({positions, triangles}, selects = () => true) {
   const out = positions.slice();
   const middle = new Map();
   const between = (a, b) => {
     const key = `${Math.min(a, b)} ${Math.max(a, b)}`;
     if (!middle.has(key))
-      middle.set(key, out.push(moved(out[a].map((x, i) => (x + out[b][i]) / 2))) - 1);
+      middle.set(key, out.push(out[a].map((x, i) => (x + out[b][i]) / 2)) - 1);
     return middle.get(key);
   };
   const subdivided = triangles.flatMap(([a, b, c]) => {
+    if (!selects([a, b, c])) return [[a, b, c]];
     const [d, e, f] = [between(a, b), between(b, c), between(c, a)];
     return [[a, d, f], [d, b, e], [f, e, c], [d, e, f]];
   });
@@ -215,7 +219,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
               unit: "ratio",
               satisfied: false,
               default: true,
-              reason: "a vertex of an earlier level is fixed",
+              reason: "178 cells are at the resolution limit; supersampling would help there",
             },
           ],
   }));
@@ -232,6 +236,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
         ? {
             space: "lps",
             supersample: 1,
+            keep_components: options.kept?.parts ?? 0,
             max_radius: null,
             placement: placed ? "balanced" : "surface",
             refine: [[{quantity: "max-distance", bound: 0.42}]],
@@ -247,6 +252,8 @@ export function makeResult(geometry, levels, topology, options = {}) {
             spacing: [1, 1, 1.5],
             origin: [0, 0, 0],
             direction: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+            format: "NRRD",
+            decisions: [{key: "space", value: "left-posterior-superior"}],
           }
         : options.input,
     surface:
@@ -377,6 +384,36 @@ function dust(count) {
   return [join_meshes(...balls)];
 }
 
+/** Turns all triangles around. */
+const flip = ({positions, triangles}) => ({
+  positions,
+  triangles: triangles.map(([a, b, c]) => [a, c, b]),
+});
+
+/**
+ * A ball of radius 20 with a cavity of radius 8, a ball of radius 10 beside it, and above them an
+ * open tube.
+ */
+function balls(geometry, {title = "balls", flipped = false} = {}) {
+  const mesh = join_meshes(
+    sphere(4, [0, 0, 0], 20),
+    flip(sphere(3, [0, 0, 0], 8)),
+    sphere(2, [40, 0, 0], 10),
+    tubePiece(24, 6, [0, 0, 40], 6, 20),
+  );
+  const topology = {
+    components: 4,
+    euler: 6,
+    genus: 0,
+    loops: 2,
+    kinds: [
+      {genus: 0, boundary_loops: 0, count: 3},
+      {genus: 0, boundary_loops: 2, count: 1},
+    ],
+  };
+  return makeResult(geometry, [flipped ? flip(mesh) : mesh], topology, {title});
+}
+
 export const pages = {
   ring: () => page((g) => makeResult(g, ringAndBall(4), RING, {inverted_components: 0})),
   // 1,600 to 102,400 triangles.
@@ -427,6 +464,49 @@ export const pages = {
     page((g) =>
       makeResult(g, ringAndBall(3, 18, 9, [1e6, -1e6, 1e6]), RING, {title: "far from the origin"}),
     ),
+  balls: () => page(balls),
+  // Samples below the isovalue are inside: all triangles face the other way.
+  inverted: () => page((g) => balls(g, {title: "inverted", flipped: true})),
+  // Only the finest of two levels is in the files.
+  finest: () =>
+    page((g) => {
+      const result = makeResult(g, ringAndBall(1), RING, {title: "finest.stl"});
+      result.levels[0].level = 1;
+      result.nested = false;
+      return result;
+    }),
+  // Three triangles share an edge.
+  torn: () =>
+    page((g) => {
+      const mesh = {
+        positions: [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [0, 0, -4]],
+        triangles: [[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+      };
+      const topology = {components: 1, euler: null, genus: null, loops: null, kinds: null};
+      const result = makeResult(g, [mesh], topology, {title: "torn", reference: null});
+      Object.assign(result.levels[0], {manifold: false, certificate: null});
+      return result;
+    }),
+  // The ball has fewer triangles than the ring in the coarse level, and more in the fine one.
+  reordered: () =>
+    page((g) => {
+      const ball = sphere(0, [40, 0, 0], 10);
+      const coarse = join_meshes(ball, torus(9, 5, [0, 0, 0], 20, 6));
+      let fine = coarse;
+      for (let k = 0; k < 3; ++k)
+        fine = subdivide(fine, (corners) => corners.some((v) => fine.positions[v][0] > 29));
+      const topology = {
+        components: 2,
+        euler: 2,
+        genus: 1,
+        loops: 0,
+        kinds: [
+          {genus: 0, boundary_loops: 0, count: 1},
+          {genus: 1, boundary_loops: 0, count: 1},
+        ],
+      };
+      return makeResult(g, [coarse, fine], topology, {title: "reordered"});
+    }),
   several: () =>
     page(
       (g) => makeResult(g, ringAndBall(3), RING, {title: "first"}),
@@ -434,6 +514,7 @@ export const pages = {
         makeResult(g, nested(torus(12, 7, [9, 9, 9], 30, 12), 2), TORUS, {
           title: "second",
           unit: "voxels",
+          input: {path: "second.tif", format: "TIFF", size: [64, 64, 64]},
         }),
     ),
   dust: () =>

@@ -18,9 +18,13 @@ const Y = new Vector3(0, 1, 0);
 const Z = new Vector3(0, 0, 1);
 const MARGIN = 0.88;
 
-/** The rotation of a camera. @param from the direction from the target to the viewer */
-export function rotationFrom(from: Vector3): Quaternion {
-  const up = Math.abs(from.clone().normalize().dot(UP)) > 0.999 ? Y : UP;
+/**
+ * The rotation of a camera.
+ * @param from the direction from the target to the viewer
+ * @param up what is up in the picture; by default z, or y if the view is along z
+ */
+export function rotationFrom(from: Vector3, up?: Vector3): Quaternion {
+  up ??= Math.abs(from.clone().normalize().dot(UP)) > 0.999 ? Y : UP;
   return new Quaternion().setFromRotationMatrix(new Matrix4().lookAt(from, new Vector3(), up));
 }
 
@@ -29,6 +33,8 @@ export class Camera {
   readonly pose: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
   moving = false;
   private home: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
+  /** What fits into the picture when it is seen from a side. */
+  framed: Float32Array = new Float32Array();
   /** Half the size of the mesh in the home view; zoom 1 shows all of it. */
   private extent: [number, number] = [1, 1];
   private radius = 1;
@@ -39,12 +45,27 @@ export class Camera {
 
   /** Sets the home view. @param positions of the mesh, around 0 */
   setHome(positions: Float32Array): void {
+    this.framed = positions;
+    let farthest = 0;
+    for (let i = 0; i < positions.length; i += 3) {
+      const [x, y, z] = [positions[i], positions[i + 1], positions[i + 2]];
+      farthest = Math.max(farthest, x * x + y * y + z * z);
+    }
+    this.radius = Math.sqrt(farthest) || 1;
     const rotation = rotationFrom(new Vector3(0.5, -1, 0.38));
+    const {target, extent} = this.outline(rotation);
+    this.extent = extent;
+    this.home = {target, rotation, zoom: 1};
+    this.set(this.home);
+  }
+
+  /** The outline of what is framed in a view: half its size, and its centre. */
+  private outline(rotation: Quaternion): {target: Vector3; extent: [number, number]} {
+    const positions = this.framed;
     const right = X.clone().applyQuaternion(rotation);
     const up = Y.clone().applyQuaternion(rotation);
     const low = [Infinity, Infinity];
     const high = [-Infinity, -Infinity];
-    let farthest = 0;
     for (let i = 0; i < positions.length; i += 3) {
       const [x, y, z] = [positions[i], positions[i + 1], positions[i + 2]];
       const h = x * right.x + y * right.y + z * right.z;
@@ -53,19 +74,18 @@ export class Camera {
       if (h > high[0]) high[0] = h;
       if (v < low[1]) low[1] = v;
       if (v > high[1]) high[1] = v;
-      farthest = Math.max(farthest, x * x + y * y + z * z);
     }
-    if (positions.length === 0) low.fill(-1), high.fill(1), (farthest = 1);
-    this.radius = Math.sqrt(farthest) || 1;
-    this.extent = [
-      Math.max(high[0] - low[0], 1e-6 * this.radius) / 2,
-      Math.max(high[1] - low[1], 1e-6 * this.radius) / 2,
-    ];
-    const target = right
-      .multiplyScalar((low[0] + high[0]) / 2)
-      .addScaledVector(up, (low[1] + high[1]) / 2);
-    this.home = {target, rotation, zoom: 1};
-    this.set(this.home);
+    if (positions.length === 0) low.fill(-1), high.fill(1);
+    const least = 1e-6 * this.radius;
+    return {
+      target: right
+        .multiplyScalar((low[0] + high[0]) / 2)
+        .addScaledVector(up, (low[1] + high[1]) / 2),
+      extent: [
+        Math.max(high[0] - low[0], least) / 2,
+        Math.max(high[1] - low[1], least) / 2,
+      ],
+    };
   }
 
   resize(width: number, height: number): void {
@@ -80,9 +100,12 @@ export class Camera {
   }
 
   private scaleAt(zoom: number): number {
-    return (
-      (zoom * MARGIN * Math.min(this.width / this.extent[0], this.height / this.extent[1])) / 2
-    );
+    return zoom * this.fitting(this.extent);
+  }
+
+  /** CSS pixels per unit of length at which an outline fits into the picture. */
+  private fitting([horizontal, vertical]: [number, number]): number {
+    return (MARGIN * Math.min(this.width / horizontal, this.height / vertical)) / 2;
   }
 
   /** The zoom at which a length has a number of pixels. */
@@ -134,10 +157,21 @@ export class Camera {
     this.glide(this.home);
   }
 
-  /** Rotates so that an axis points to or from the viewer. */
-  lookAlong(axis: number): void {
-    const from = new Vector3().setComponent(axis, axis === 1 ? -1 : 1);
-    this.glide({...this.pose, rotation: rotationFrom(from)});
+  /** Shows all that is framed from a direction. @param up what is up in the picture */
+  lookFrom(from: Vector3, up?: Vector3): void {
+    const rotation = rotationFrom(from, up);
+    const {target, extent} = this.outline(rotation);
+    this.glide({target, rotation, zoom: this.fitting(extent) / this.fitting(this.extent)});
+  }
+
+  /** The line of sight through pixel (x, y). `along` is a unit vector away from the viewer. */
+  rayAt(x: number, y: number): {from: Vector3; along: Vector3} {
+    const {target, rotation} = this.pose;
+    const from = new Vector3(x - this.width / 2, this.height / 2 - y, 0)
+      .divideScalar(this.scale)
+      .applyQuaternion(rotation)
+      .add(target);
+    return {from, along: Z.clone().negate().applyQuaternion(rotation)};
   }
 
   /** Moves to another pose in a third of a second; at once if the user prefers reduced motion. */
@@ -173,7 +207,8 @@ export class Camera {
   }
   private gliding = 0;
 
-  private set(pose: Pose): void {
+  /** Shows another pose at once. */
+  set(pose: Pose): void {
     this.pose.target.copy(pose.target);
     this.pose.rotation.copy(pose.rotation);
     this.pose.zoom = pose.zoom;

@@ -4,6 +4,7 @@
 import type {Level, Mesh} from "./data";
 import {number, plural, count} from "./dom";
 import type {Components} from "./shape";
+import {levelName} from "./words";
 
 export type Colouring = "plain" | "aspect" | "distance" | "component" | "level";
 
@@ -58,7 +59,7 @@ function distanceColour(share: number): Rgb {
   );
 }
 
-/** Level 0 is the darkest, because it has the fewest vertices. */
+/** The coarsest level is the darkest, because it has the fewest vertices. */
 function levelColour(level: number, levels: number): Rgb {
   const share = levels > 1 ? level / (levels - 1) : 0;
   return colourOf(0.4 + 0.48 * share, 0.1 - 0.062 * share, 262 - 72 * share);
@@ -188,7 +189,7 @@ function byLevel(mesh: Mesh, level: Level): Colours {
         const added = vertices - (k > 0 ? mesh.levels[k - 1].vertices : 0);
         return {
           colour: css(levelColour(k, levels)),
-          name: `${k}: ${plural(added, "vertex", "vertices")}`,
+          name: `${levelName(mesh.levels[k].facts)}: ${plural(added, "vertex", "vertices")}`,
         };
       }),
     },

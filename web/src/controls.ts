@@ -10,6 +10,7 @@ export interface Option<T extends string> {
 export interface Choice<T extends string> {
   field: HTMLFieldSetElement;
   value: () => T;
+  /** Has no effect if the value is unknown or not enabled. */
   set: (value: T) => void;
   /** @param why the reason that is shown if the value is not enabled */
   enable: (value: T, enabled: boolean, why: string) => void;
@@ -43,7 +44,10 @@ export function choice<T extends string>(
   return {
     field,
     value: () => options.find(({value}) => inputs.get(value)!.checked)!.value,
-    set: (value) => void (inputs.get(value)!.checked = true),
+    set: (value) => {
+      const input = inputs.get(value);
+      if (input && !input.disabled) input.checked = true;
+    },
     enable: (value, enabled, why) => {
       inputs.get(value)!.disabled = !enabled;
       reasons.delete(value);
@@ -55,51 +59,80 @@ export function choice<T extends string>(
   };
 }
 
+export function button(
+  id: string,
+  text: string | Node,
+  pressed: () => void,
+  attributes: Record<string, string> = {},
+): HTMLButtonElement {
+  const out = element("button", {type: "button", id, ...attributes}, text);
+  out.addEventListener("click", pressed);
+  return out;
+}
+
+export interface Checkbox {
+  field: HTMLElement;
+  input: HTMLInputElement;
+}
+
+export function checkbox(id: string, text: string, changed: () => void): Checkbox {
+  const input = element("input", {type: "checkbox", id});
+  input.addEventListener("change", changed);
+  return {
+    field: element("label", {class: "checkbox", for: id}, input, element("span", {}, text)),
+    input,
+  };
+}
+
 export interface CutControl {
   field: HTMLElement;
+  /** The position of the cut in the box, 0 to 1. */
   share: () => number;
   keepsAbove: () => boolean;
+  /** The share of the box that is removed, and whether it is removed from the other side. */
+  state: () => {removed: number; flipped: boolean};
   /** Shows a text that describes the cut. */
   setText: (text: string) => void;
+  set: (state: {removed: number; flipped: boolean}) => void;
   reset: () => void;
 }
 
 /**
- * A slider through the bounding box along one axis, and a button to keep the other side.
+ * A slider for how much of the bounding box is removed along one axis, from nothing at its start to
+ * everything at its end, and a button to remove the other side.
  * @param keepsAbove whether the upper side is kept at first; the other side faces the viewer
  */
 export function cutControl(axis: string, keepsAbove: boolean, changed: () => void): CutControl {
-  const end = (): string => (above() ? "0" : "1");  // the position that keeps the whole mesh
   const input = element("input", {
     type: "range",
     id: `cut-${axis}`,
     min: "0",
     max: "1",
     step: "0.005",
+    value: "0",
   });
   const output = element("output", {for: input.id}, "off");
-  const flip = element(
-    "button",
-    {
-      type: "button",
-      id: `flip-${axis}`,
-      class: "flip",
-      "aria-pressed": "false",
-      "aria-label": `Keep the other side of ${axis}`,
-      title: "Keep the other side",
-    },
-    "⇄",
-  );
-  const pressed = (): boolean => flip.getAttribute("aria-pressed") === "true";
-  const above = (): boolean => pressed() !== keepsAbove;
-  input.value = end();
-  input.addEventListener("input", changed);
-  flip.addEventListener("click", () => {
-    const off = input.value === end();
-    flip.setAttribute("aria-pressed", `${!pressed()}`);
-    if (off) input.value = end();
+  const flip = button(`flip-${axis}`, "⇄", () => {
+    // The cut keeps its position.
+    if (removed() > 0) input.value = `${1 - removed()}`;
+    setFlipped(!flipped());
     changed();
+  }, {
+    class: "flip",
+    "aria-pressed": "false",
+    "aria-label": `Keep the other side of ${axis}`,
+    title: "Keep the other side",
   });
+  const removed = (): number => Number(input.value);
+  const flipped = (): boolean => flip.getAttribute("aria-pressed") === "true";
+  const setFlipped = (to: boolean): void => flip.setAttribute("aria-pressed", `${to}`);
+  const above = (): boolean => flipped() !== keepsAbove;
+  const set: CutControl["set"] = (state) => {
+    setFlipped(state.flipped);
+    input.value = `${state.removed}`;
+    changed();
+  };
+  input.addEventListener("input", changed);
   return {
     field: element(
       "div",
@@ -114,24 +147,23 @@ export function cutControl(axis: string, keepsAbove: boolean, changed: () => voi
       output,
       flip,
     ),
-    share: () => Number(input.value),
+    share: () => (above() ? removed() : 1 - removed()),
     keepsAbove: above,
+    state: () => ({removed: removed(), flipped: flipped()}),
     setText: (text) => {
       output.value = text;
       input.setAttribute("aria-valuetext", text);
     },
-    reset: () => {
-      flip.setAttribute("aria-pressed", "false");
-      input.value = end();
-      changed();
-    },
+    set,
+    reset: () => set({removed: 0, flipped: false}),
   };
 }
 
 export interface LevelSlider {
   field: HTMLElement;
   input: HTMLInputElement;
-  open: (levels: number, at: number) => void;
+  /** @param names per level, its number as shown */
+  open: (names: string[], at: number) => void;
   setText: (level: string, error: string) => void;
 }
 
@@ -151,16 +183,17 @@ export function levelSlider(changed: () => void): LevelSlider {
       element("div", {class: "track"}, input, ticks),
     ),
     input,
-    open: (levels, at) => {
+    open: (names, at) => {
+      const levels = names.length;
       input.max = `${Math.max(levels - 1, 0)}`;
       input.value = `${at}`;
       input.disabled = levels < 2;
       ticks.replaceChildren(
-        ...Array.from({length: levels}, (_, k) => {
+        ...names.map((name, k) => {
           const tick = element(
             "span",
             {},
-            levels <= 12 || k % Math.ceil(levels / 10) === 0 ? `${k}` : "",
+            levels <= 12 || k % Math.ceil(levels / 10) === 0 ? name : "",
           );
           tick.style.setProperty("--at", `${levels > 1 ? k / (levels - 1) : 0}`);
           return tick;

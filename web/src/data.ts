@@ -152,6 +152,8 @@ export interface Level {
   triangles: Uint32Array;
   /** Per vertex in steps of maximum / 255, in the unit of the result; null: unknown. */
   distance: {steps: Uint8Array; maximum: number} | null;
+  /** Whether a vertex has the same index in finer levels. */
+  nested: boolean;
 }
 
 export interface Mesh {
@@ -268,6 +270,7 @@ export async function readMesh(result: Result): Promise<Mesh> {
       distance: level.distance
         ? {steps: slice(source, level.distance), maximum: level.distance.maximum}
         : null,
+      nested: result.nested !== false,
     };
   });
   return {levels: read, centre, half, levelOf};

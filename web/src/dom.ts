@@ -34,3 +34,9 @@ export const number = (n: number, digits = 3): string => {
 export const percent = (share: number): string => `${share === 0 ? "0" : number(100 * share, 2)} %`;
 export const plural = (n: number, one: string, many = `${one}s`): string =>
   `${count(n)} ${n === 1 ? one : many}`;
+
+/** An object whose properties are computed when they are read. */
+export function readOnly(getters: Record<string, () => unknown>): object {
+  const properties = Object.entries(getters).map(([name, get]) => [name, {get, enumerable: true}]);
+  return Object.freeze(Object.defineProperties({}, Object.fromEntries(properties)));
+}

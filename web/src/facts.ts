@@ -1,71 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The facts about a result next to the mesh: tables, the certificate, the command and parameters.
-import {componentColour} from "./colours";
-import type {Constraint, Kind, LevelFacts, RankedComponents, Result, Sampling} from "./data";
+// The facts about a result next to the mesh: levels, topology, the certificate.
+import type {Constraint, Kind, LevelFacts, Result, Sampling} from "./data";
 import {count, element, number, percent, plural, type Child} from "./dom";
 import {histogram} from "./histogram";
-import type {LevelShape} from "./scene";
-
-const MAX_COMPONENTS = 20;
-
-/** The largest two-sided distance between surface and mesh of a level; null: unknown. */
-export function errorOf(level: LevelFacts): number | null {
-  const metric = level.metrics?.["max-distance"];
-  const known = [
-    metric ? (metric.maximum ?? Infinity) : null,
-    level.measured?.maximum ?? null,
-  ].filter((error) => error !== null);
-  return known.length > 0 ? Math.max(...known) : null;
-}
-
-export function errorText(level: LevelFacts, unit: string): string {
-  const error = errorOf(level);
-  if (error === null) return "error not measured";
-  return error === Infinity ? "infinite error" : `error ${number(error)} ${unit}`;
-}
-
-function table(
-  attributes: Record<string, string>,
-  caption: string,
-  head: string[],
-  rows: HTMLTableRowElement[],
-): HTMLElement {
-  const out = element("table", attributes);
-  if (caption) out.append(element("caption", {}, caption));
-  out.append(
-    element(
-      "thead",
-      {},
-      element("tr", {}, ...head.map((text) => element("th", {scope: "col"}, text))),
-    ),
-    element("tbody", {}, ...rows),
-  );
-  return element("div", {class: "table"}, out);
-}
-
-function row(
-  attributes: Record<string, string>,
-  first: Child | Child[],
-  ...rest: Child[]
-): HTMLTableRowElement {
-  return element(
-    "tr",
-    attributes,
-    element("th", {scope: "row"}, ...(Array.isArray(first) ? first : [first])),
-    ...rest.map((cell) => element("td", {}, cell)),
-  );
-}
-
-const check = (good: boolean): HTMLElement =>
-  element(
-    "span",
-    {class: good ? "good" : "bad", role: "img", "aria-label": good ? "yes" : "no"},
-    good ? "✓" : "✗",
-  );
-
-export function section(title: string, ...children: Child[]): HTMLElement {
-  return element("section", {"aria-label": title}, element("h2", {}, title), ...children);
-}
+import type {LevelShape} from "./level_shape";
+import {check, explained, row, section, table} from "./tables";
+import {errorOf, levelName, plainReason} from "./words";
 
 function levelTable(result: Result, shown: number, shapes: LevelShape[]): HTMLElement {
   const rows = result.levels.map((level, k) => {
@@ -73,7 +13,7 @@ function levelTable(result: Result, shown: number, shapes: LevelShape[]): HTMLEl
     const error = errorOf(level);
     return row(
       k === shown ? {"aria-current": "true"} : {},
-      `${level.level}`,
+      levelName(level),
       count(level.vertices),
       count(level.triangles),
       error === null ? "–" : error === Infinity ? "∞" : number(error),
@@ -91,8 +31,10 @@ function levelTable(result: Result, shown: number, shapes: LevelShape[]): HTMLEl
 
 const UNITS: Record<string, string> = {degrees: "°", ratio: "", count: ""};
 
+/** A default bound that is not reached is no failure, because the command does not request it. */
 function constraintLine(constraint: Constraint, unit: string): HTMLElement {
   const {quantity, bound, reached, satisfied, reason} = constraint;
+  const isDefault = constraint.default === true;
   const written =
     constraint.unit === "world" ? ` ${unit}` : (UNITS[constraint.unit] ?? ` ${constraint.unit}`);
   const sign = quantity.startsWith("min-") ? "≥" : "≤";
@@ -100,28 +42,44 @@ function constraintLine(constraint: Constraint, unit: string): HTMLElement {
   const line = element(
     "li",
     {},
-    check(satisfied),
+    satisfied || !isDefault ? check(satisfied) : "–",
     ` ${quantity} ${sign} ${number(bound)}${written}: ${is}${written}`,
   );
-  if (!satisfied && reason) line.append(element("span", {class: "soft"}, ` – ${reason}`));
+  if (!satisfied && isDefault) line.append(" (not reached)");
+  if (!satisfied && reason) {
+    const words = ` – ${plainReason(reason)}`.split(/(--[\w-]+ \d+)/);
+    line.append(
+      element(
+        "span",
+        {class: "soft"},
+        ...words.map((text, i) => (i % 2 ? element("span", {class: "option"}, text) : text)),
+      ),
+    );
+  }
   return line;
 }
 
-function constraintList(level: LevelFacts, unit: string): Child[] {
+/** Bounds that the command requests, then those that apply by default. */
+function constraintLists(level: LevelFacts, unit: string): Child[] {
   const constraints = level.constraints ?? [];
-  if (constraints.length === 0) return [];
-  return [
-    element(
-      "p",
-      {class: "soft lead"},
-      `Constraints of level ${level.level}, with the values reached:`,
-    ),
-    element(
-      "ul",
-      {class: "plain", id: "constraints"},
-      ...constraints.map((c) => constraintLine(c, unit)),
-    ),
+  const lists: [string, string, Constraint[]][] = [
+    [
+      "requested",
+      `Requested of level ${levelName(level)}, with the values reached:`,
+      constraints.filter((c) => c.default !== true),
+    ],
+    [
+      "defaults",
+      "Default bounds, which the command does not request:",
+      constraints.filter((c) => c.default === true),
+    ],
   ];
+  return lists
+    .filter(([, , list]) => list.length > 0)
+    .flatMap(([id, title, list]) => [
+      element("p", {class: "soft lead"}, title),
+      element("ul", {class: "plain", id}, ...list.map((c) => constraintLine(c, unit))),
+    ]);
 }
 
 /** The proved bound of the error, or else the density of its samples. */
@@ -168,7 +126,7 @@ function kindsOf(level: LevelFacts, shape: LevelShape): Kind[] {
   return [...kinds.values()];
 }
 
-/** The kinds of components compared with those of the isosurface, then the largest components. */
+/** The kinds of components compared with those of the isosurface. */
 function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[] {
   if (level.manifold === false) {
     return [
@@ -208,8 +166,13 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
       {id: "kinds"},
       "",
       reference
-        ? ["Components of", `Level ${level.level}`, "Isosurface", "Same"]
-        : ["Components of", `Level ${level.level}`],
+        ? [
+            "Components of",
+            `Level ${levelName(level)}`,
+            result.dropped ? "Isosurface, kept" : "Isosurface",
+            "Same",
+          ]
+        : ["Components of", `Level ${levelName(level)}`],
       rows,
     ),
   ];
@@ -217,40 +180,6 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
     out.push(
       element("p", {class: "soft"}, "The file does not contain the topology of the isosurface."),
     );
-  }
-  const {list} = shape.components();
-  const each = list.slice(0, MAX_COMPONENTS).map((component, i) => {
-    const swatch = element("span", {class: "swatch"});
-    swatch.style.background = componentColour(i);
-    return row(
-      {},
-      [swatch, `${i + 1}`],
-      count(component.triangles),
-      number(component.genus),
-      `${component.boundaryLoops}`,
-    );
-  });
-  out.push(table({id: "components"}, "", ["Component", "Triangles", "Genus", "Loops"], each));
-  const rest = list.slice(MAX_COMPONENTS);
-  if (rest.length > 0) {
-    const most = rest[0].triangles;
-    out.push(
-      element(
-        "p",
-        {class: "soft", id: "rest"},
-        `and ${count(rest.length)} more, of at most ${plural(most, "triangle")} each.`,
-      ),
-    );
-  }
-  if (result.dropped) {
-    const sized = (of: RankedComponents): string =>
-      (of.parts < of.components ? `${plural(of.parts, "part")} in ` : "") +
-      plural(of.components, "component") +
-      (of.parts > 1 ? ", the largest" : "") +
-      ` of ${number(of.largest)} cubic ${result.unit}`;
-    if (result.kept)
-      out.push(element("p", {class: "soft", id: "kept"}, `Kept: ${sized(result.kept)}.`));
-    out.push(element("p", {class: "soft", id: "dropped"}, `Dropped: ${sized(result.dropped)}.`));
   }
   return out;
 }
@@ -293,104 +222,60 @@ function certificate(level: LevelFacts): Child[] {
         "p",
         {class: "verdict"},
         element("strong", {class: c.passed ? "good" : "bad"}, c.passed ? "Passed" : "Failed"),
-        ` on level ${level.level}: the mesh is a manifold with the topology of the isosurface.`,
+        ` on level ${levelName(level)}: ` +
+          "the mesh is a manifold with the topology of the isosurface.",
       )
     : element("p", {class: "verdict"}, "The file has no certificate.");
-  if (c && !c.passed) verdict.lastChild!.textContent = ` on level ${level.level}.`;
-  return [verdict, element("ul", {class: "plain"}, ...lines)];
+  if (c && !c.passed) verdict.lastChild!.textContent = ` on level ${levelName(level)}.`;
+  return [
+    verdict,
+    element("ul", {class: "plain"}, ...lines),
+    explained([
+      ["Voronoi cell", "the part of the isosurface that is nearest to one vertex of the mesh"],
+      ["Disk", "a piece of surface without holes and handles"],
+      [
+        "Why it matters",
+        "if all cells are disks, two share at most one arc, and three at most one point, the " +
+          "mesh has the same components, handles and openings as the isosurface",
+      ],
+    ]),
+  ];
 }
 
-function value(of: unknown): string {
-  if (of === null || of === undefined) return "–";
-  if (typeof of === "string") return of;
-  if (typeof of === "number") return number(of, 7);
-  if (typeof of === "boolean") return of ? "yes" : "no";
-  if (Array.isArray(of)) {
-    if (of.length === 0) return "–";
-    return of.every((x) => typeof x === "number")
-      ? of
-          .map((x) => number(x, 7))
-          .join(" × ")
-          .replaceAll(" × ", of.every((x) => Number.isInteger(x) && x > 0) ? " × " : ", ")
-      : of.map(value).join("; ");
-  }
-  const {quantity, bound} = of as Record<string, unknown>;
-  if (typeof quantity === "string") return `${quantity} ${value(bound)}`;
-  return Object.entries(of).map(([key, inner]) => `${key} ${value(inner)}`).join(", ");
-}
-
-function copying(text: string, holder: HTMLElement): HTMLElement {
-  const button = element("button", {type: "button", id: "copy"}, "Copy");
-  button.addEventListener("click", () => {
-    const done = (): void => void (button.textContent = "Copied");
-    const select = (): void => {
-      getSelection()?.selectAllChildren(holder);
-      button.textContent = "Selected";
-    };
-    // A page opened as a file may not write to the clipboard.
-    if (navigator.clipboard) navigator.clipboard.writeText(text).then(done, select);
-    else select();
-  });
-  return button;
-}
-
-function made(result: Result): Child[] {
-  const out: Child[] = [];
-  if (result.command) {
-    const code = element("code", {}, result.command);
-    out.push(
-      element("pre", {tabindex: "0", "aria-label": "Command", id: "command"}, code),
-      copying(result.command, code),
-    );
-  } else {
-    out.push(element("p", {class: "soft"}, "The file does not contain the command."));
-  }
-  const groups: HTMLElement[] = [];
-  for (const [name, part] of [
-    ["Input", result.input],
-    ["Surface", result.surface],
-    ["Parameters", result.parameters],
-  ] as const) {
-    const entries = Object.entries(part ?? {});
-    if (entries.length > 0) {
-      groups.push(
-        table(
-          {},
-          name,
-          ["Name", "Value"],
-          entries.map(([key, of]) => row({}, key.replaceAll("_", " "), value(of))),
-        ),
-      );
-    }
-  }
-  if (groups.length > 0) {
-    out.push(
-      element("details", {id: "parameters"}, element("summary", {}, "Parameters"), ...groups),
-    );
-  } else {
-    out.push(element("p", {class: "soft"}, "The file does not contain the parameters."));
-  }
-  return out;
-}
-
-/** All sections that depend on the shown level. */
-export function facts(result: Result, shown: number, shapes: LevelShape[]): HTMLElement[] {
+/** All sections that depend on the shown level. @param components the list of components */
+export function facts(
+  result: Result,
+  shown: number,
+  shapes: LevelShape[],
+  components: HTMLElement,
+): HTMLElement[] {
   const level = result.levels[shown];
   return [
     section(
       "Levels",
       levelTable(result, shown, shapes),
+      ...levelNote(result),
       ...sampling(level, result.unit),
-      ...constraintList(level, result.unit),
+      ...constraintLists(level, result.unit),
     ),
+    components,
     section("Aspect ratios", histogram(result, shown, shapes[shown].aspect())),
     section("Topology", ...topology(result, level, shapes[shown])),
     section("Certificate", ...certificate(level)),
   ];
 }
 
-export function origin(result: Result): HTMLElement {
-  return section("Made by", ...made(result));
+/** What the table does not show: levels that are not in the page. */
+function levelNote({levels}: Result): Child[] {
+  const missing = levels[levels.length - 1].level + 1 - levels.length;
+  if (missing <= 0) return [];
+  return [
+    element(
+      "p",
+      {class: "soft lead", id: "missing-levels"},
+      `${plural(missing, "coarser level is", "coarser levels are")} not in the files of this page.`,
+    ),
+  ];
 }
 
 /** One line below the title. */

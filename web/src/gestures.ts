@@ -1,19 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mouse and touch on the picture. One pointer rotates; two pointers, the right or middle button, or
-// Shift pan; wheel and pinch zoom.
+// Shift pan; wheel and pinch zoom; a click or a tap is a press without a drag.
 import type {Camera} from "./camera";
 
-interface Point {
+/** In CSS pixels from the upper left corner of the canvas. */
+export interface Point {
   x: number;
   y: number;
 }
 
+export interface Listener {
+  clicked: (at: Point) => void;
+  /** Called while no button is pressed; null: the pointer has left the picture. */
+  pointedAt: (at: Point | null) => void;
+}
+
+/** A pointer that moves farther, in CSS pixels, drags. */
+const DRAG = 5;
+
 const middle = ([a, b]: Point[]): Point => ({x: (a.x + b.x) / 2, y: (a.y + b.y) / 2});
 const apart = ([a, b]: Point[]): number => Math.max(Math.hypot(a.x - b.x, a.y - b.y), 1);
 
-export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
+export function listen(canvas: HTMLCanvasElement, camera: Camera, listener: Listener): void {
   const down = new Map<number, Point>();
   let pans = false;
+  let pressed: Point | null = null;  // where the only pointer went down, if it has not dragged
 
   const at = (event: MouseEvent): Point => {
     const box = canvas.getBoundingClientRect();
@@ -24,11 +35,20 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
     canvas.setPointerCapture(event.pointerId);
     down.set(event.pointerId, at(event));
     pans = event.button !== 0 || event.shiftKey || event.ctrlKey;
+    pressed = pans || down.size > 1 ? null : at(event);
+    listener.pointedAt(null);
   });
   canvas.addEventListener("pointermove", (event) => {
     const before = down.get(event.pointerId);
-    if (!before) return;
     const now = at(event);
+    if (!before) {
+      listener.pointedAt(now);
+      return;
+    }
+    if (pressed) {
+      if (Math.hypot(now.x - pressed.x, now.y - pressed.y) <= DRAG) return;
+      pressed = null;
+    }
     if (down.size === 1) {
       down.set(event.pointerId, now);
       if (pans) camera.pan(now.x - before.x, now.y - before.y);
@@ -45,8 +65,19 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
     down.delete(event.pointerId);
     if (down.size === 1) pans = false;
   };
-  canvas.addEventListener("pointerup", up);
-  canvas.addEventListener("pointercancel", up);
+  canvas.addEventListener("pointerup", (event) => {
+    if (pressed) listener.clicked(pressed);
+    pressed = null;
+    up(event);
+  });
+  canvas.addEventListener("pointerleave", (event) => {
+    // A finger leaves with every tap; what it tapped stays described.
+    if (event.pointerType !== "touch") listener.pointedAt(null);
+  });
+  canvas.addEventListener("pointercancel", (event) => {
+    pressed = null;
+    up(event);
+  });
   canvas.addEventListener("lostpointercapture", up);
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener(

@@ -3,6 +3,7 @@
 // the paper's figure 12.
 import type {AspectRatio, Result} from "./data";
 import {count, drawn, element, percent, plural} from "./dom";
+import {levelName} from "./words";
 
 function shares(bins: number[]): number[] {
   const all = bins.reduce((a, b) => a + b, 0) || 1;
@@ -41,7 +42,8 @@ export function histogram(result: Result, level: number, aspect: AspectRatio): H
   const top = Math.max(...ours, ...(theirs ?? []), 0.01) * 1.12;
   const own = percent(aspect.share_below_third);
   const theirOwn = cubes ? `; with marching cubes ${percent(cubes.share_below_third)}` : "";
-  const words = `${own} of the triangles of level ${level} are below 1/3${theirOwn}.`;
+  const named = `Level ${levelName(result.levels[level])}`;
+  const words = `${own} of the triangles of ${named.toLowerCase()} are below 1/3${theirOwn}.`;
 
   const half = (bins: number[], down: boolean): HTMLElement =>
     element("div", {class: "half"}, bars(bins, top, down));
@@ -79,7 +81,7 @@ export function histogram(result: Result, level: number, aspect: AspectRatio): H
       ...cells.map((n) => element("td", {}, count(n))),
     );
   });
-  const heads = ["Aspect ratio", `Level ${level}`, ...(cubes ? ["Marching cubes"] : [])];
+  const heads = ["Aspect ratio", named, ...(cubes ? ["Marching cubes"] : [])];
   const numbers = element(
     "details",
     {class: "numbers"},
@@ -98,11 +100,20 @@ export function histogram(result: Result, level: number, aspect: AspectRatio): H
   const out = element(
     "figure",
     {class: "histogram"},
-    name(`Level ${level}`, result.levels[level].triangles),
+    name(named, result.levels[level].triangles),
     chart,
   );
   if (cubes) out.append(name("Marching cubes", cubes.triangles));
   out.append(element("figcaption", {}, words));
+  if (cubes && result.dropped) {
+    out.append(
+      element(
+        "p",
+        {class: "soft", id: "same-components"},
+        "Of marching cubes, only the kept components are counted, as in the levels.",
+      ),
+    );
+  }
   if (!cubes) {
     out.append(
       element(

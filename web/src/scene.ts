@@ -15,18 +15,13 @@ import {
 } from "three";
 
 import {Camera, rotationFrom} from "./camera";
+import {Caps, closingFans} from "./caps";
 import {colour, type Colouring, type Colours, type Legend} from "./colours";
-import type {AspectRatio, Level, Mesh, Triple} from "./data";
+import type {Mesh, Triple} from "./data";
+import type {LevelShape, Worst} from "./level_shape";
+import {firstHit, isHidden, type Span} from "./rays";
 import {FRAGMENT, VERTEX} from "./shaders";
-import {
-  aspectFacts,
-  aspectRatios,
-  components,
-  enclosedVolume,
-  isHidden,
-  vertexNormals,
-  type Components,
-} from "./shape";
+import {enclosedVolume, vertexNormals} from "./shape";
 
 export type Style = "smooth" | "split" | "lines";
 
@@ -37,54 +32,15 @@ export interface Cut {
   keep: "below" | "above";
 }
 
-export interface Worst {
-  triangle: number;
-  ratio: number;
+/** What is visible at a pixel. */
+export interface Picked {
   /** Relative to the centre of the mesh. */
-  corners: [Vector3, Vector3, Vector3];
-  centroid: Vector3;
-}
-
-/** Properties of a level that are computed when they are first needed. */
-export class LevelShape {
-  private knownRatios?: Float32Array;
-  private knownAspect?: AspectRatio;
-  private knownComponents?: Components;
-
-  constructor(readonly level: Level) {}
-
-  readonly ratios = (): Float32Array =>
-    (this.knownRatios ??= aspectRatios(this.level.positions, this.level.triangles));
-  readonly components = (): Components =>
-    (this.knownComponents ??= components(this.level.vertices, this.level.triangles));
-
-  aspect(): AspectRatio {
-    const stated = this.level.facts.quality?.aspect_ratio;
-    if (stated?.histogram && stated.minimum !== undefined && stated.share_below_third !== undefined)
-      return stated as AspectRatio;
-    return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...stated});
-  }
-
-  isClosed(): boolean {
-    const {manifold, boundary_loops: loops} = this.level.facts;
-    if (manifold === false) return false;
-    return loops == null
-      ? this.components().list.every((component) => component.boundaryLoops === 0)
-      : loops === 0;
-  }
-
-  worst(): Worst | null {
-    const {positions, triangles} = this.level;
-    const ratios = this.ratios();
-    if (ratios.length === 0) return null;
-    let triangle = 0;
-    for (let t = 1; t < ratios.length; ++t) if (ratios[t] < ratios[triangle]) triangle = t;
-    const corner = (k: number): Vector3 =>
-      new Vector3().fromArray(positions, 3 * triangles[3 * triangle + k]);
-    const corners: Worst["corners"] = [corner(0), corner(1), corner(2)];
-    const centroid = corners[0].clone().add(corners[1]).add(corners[2]).divideScalar(3);
-    return {triangle, ratio: ratios[triangle], corners, centroid};
-  }
+  point: Vector3;
+  /** null: a filled cut. */
+  triangle: number | null;
+  /** The corner of the triangle that is nearest to the point; null: a filled cut. */
+  vertex: number | null;
+  component: number | null;
 }
 
 /** A level with separate vertices for each triangle, which carry the colours of its corners. */
@@ -92,6 +48,10 @@ interface Prepared {
   geometry: BufferGeometry;
   colouring: Colouring | null;
   colours: Colours | null;
+  /** Closes the open ends of the shown components, to fill cuts. */
+  closing: BufferGeometry;
+  /** The value of `visibility` that the index of `geometry` and `closing` are for. */
+  visibility: number;
 }
 
 const MODES = {plain: 0, blend: 1, nearest: 2};
@@ -113,8 +73,13 @@ export class Scene {
   private shapes: LevelShape[] = [];
   private prepared: (Prepared | undefined)[] = [];
   private style: Style = "smooth";
+  private readonly caps: Caps;
+  private level = 0;
   private facesInward = false;
   private closed = false;
+  private fillsCuts = true;
+  private isShown: (component: number) => boolean = () => true;
+  private visibility = 0;  // increases when other components are shown
   private isDrawPending = false;
 
   /** @param context WebGL 2 of the canvas; @param drew called after each frame */
@@ -123,7 +88,14 @@ export class Scene {
     context: WebGL2RenderingContext,
     private readonly drew: () => void,
   ) {
-    this.renderer = new WebGLRenderer({canvas, context, alpha: true, antialias: true});
+    this.renderer = new WebGLRenderer({
+      canvas,
+      context,
+      alpha: true,
+      antialias: true,
+      stencil: true,
+    });
+    this.renderer.autoClear = false;
     // Checks wait for the graphics process; the tests compare pictures.
     this.renderer.debug.checkShaderErrors = false;
     this.renderer.setClearColor(0x000000, 0);  // the background is that of the page
@@ -148,6 +120,8 @@ export class Scene {
     this.surface = new Solid(new BufferGeometry(), this.material);
     this.surface.frustumCulled = false;
     this.world.add(this.surface);
+    const {cutAt, cutSide} = this.material.uniforms;
+    this.caps = new Caps({at: cutAt.value as Vector3, side: cutSide.value as Vector3});
     this.camera = new Camera(() => this.draw());
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
@@ -156,7 +130,10 @@ export class Scene {
 
   /** Shows another mesh, in the home view of its finest level. */
   show(mesh: Mesh, shapes: LevelShape[]): void {
-    for (const old of this.prepared) old?.geometry.dispose();
+    for (const old of this.prepared) {
+      old?.geometry.dispose();
+      old?.closing.dispose();
+    }
     this.mesh = mesh;
     this.shapes = shapes;
     this.prepared = [];
@@ -191,10 +168,119 @@ export class Scene {
       (this.texture.image.data as Uint8Array).set(palette);
       this.texture.needsUpdate = true;
     }
+    this.level = level;
+    this.showShown(prepared);
     this.surface.geometry = prepared.geometry;
     this.closed = this.shapes[level].isClosed();
     this.draw();
     return legend;
+  }
+
+  /** Shows only some components. @param isShown by the number of the component */
+  showComponents(isShown: (component: number) => boolean): void {
+    this.isShown = isShown;
+    ++this.visibility;
+    const prepared = this.prepared[this.level];
+    if (!prepared) return;
+    this.showShown(prepared);
+    this.draw();
+  }
+
+  /** Restricts a level to the shown components. */
+  private showShown(prepared: Prepared): void {
+    if (prepared.visibility === this.visibility) return;
+    prepared.visibility = this.visibility;
+    const {positions, triangles} = this.mesh.levels[this.level];
+    const {of, list, loops} = this.shapes[this.level].components();
+    const all = list.every((_, component) => this.isShown(component));
+    const corners: number[] = [];
+    if (!all)
+      for (let i = 0; i < triangles.length; i += 3)
+        if (this.isShown(of[triangles[i]])) corners.push(i, i + 1, i + 2);
+    prepared.geometry.setIndex(
+      all ? null : new BufferAttribute(Uint32Array.from(corners), 1),
+    );
+    // An empty picture keeps its frame.
+    if (all) this.camera.framed = positions;
+    else if (corners.length > 0)
+      this.camera.framed = Float32Array.from(
+        corners.flatMap((i) => [0, 1, 2].map((axis) => positions[3 * triangles[i] + axis])),
+      );
+    const fans = closingFans(positions, loops.filter(([v]) => this.isShown(of[v])));
+    prepared.closing.setAttribute("position", new BufferAttribute(fans, 3));
+  }
+
+  /** Whether cuts are filled where they are inside the solid. */
+  fillCuts(fill: boolean): void {
+    this.fillsCuts = fill;
+    this.draw();
+  }
+
+  /** Cuts can be filled if the surface bounds a solid. */
+  canFillCuts(): boolean {
+    return this.mesh.levels[this.level].facts.manifold !== false;
+  }
+
+  get areCutsFilled(): boolean {
+    return this.fillsCuts && this.canFillCuts();
+  }
+
+  /** 1, or -1 if the triangles of outer surfaces face inward. */
+  get facing(): number {
+    return this.facesInward ? -1 : 1;
+  }
+
+  /** What is visible at pixel (x, y); null: the background. */
+  pick(x: number, y: number): Picked | null {
+    const {positions, triangles} = this.mesh.levels[this.level];
+    const {of} = this.shapes[this.level].components();
+    const {from, along} = this.camera.rayAt(x, y);
+    const span = this.uncut(from, along);
+    const isShown = (triangle: number): boolean => this.isShown(of[triangles[3 * triangle]]);
+    const closing = this.prepared[this.level]?.closing.getAttribute("position").array;
+    const hit = firstHit(
+      {
+        positions,
+        triangles,
+        isShown,
+        facesInward: this.facesInward,
+        filled:
+          this.areCutsFilled && span.first > -Infinity && closing
+            ? {bounds: () => true, closing: closing as Float32Array}
+            : null,
+      },
+      {from: from.toArray(), along: along.toArray()},
+      span,
+    );
+    if (!hit) return null;
+    const point = from.addScaledVector(along, hit.at);
+    if (hit.triangle === null) return {point, triangle: null, vertex: null, component: null};
+    const nearest = hit.weights.indexOf(Math.max(...hit.weights));
+    const vertex = triangles[3 * hit.triangle + nearest];
+    return {point, triangle: hit.triangle, vertex, component: of[vertex]};
+  }
+
+  /** The part of a line that the cuts leave. */
+  private uncut(from: Vector3, along: Vector3): Span {
+    const span = {first: -Infinity, last: Infinity};
+    for (let axis = 0; axis < 3; ++axis) {
+      if (!this.isCut(axis)) continue;
+      const slope = along.getComponent(axis);
+      const distance = this.cutPosition(axis) - from.getComponent(axis);
+      const keepsBelow = this.cuts[axis].keep === "below";
+      if (slope === 0) {
+        if (distance >= 0 !== keepsBelow) span.last = -Infinity;
+      } else if (slope > 0 === keepsBelow) {
+        span.last = Math.min(span.last, distance / slope);
+      } else {
+        span.first = Math.max(span.first, distance / slope);
+      }
+    }
+    return span;
+  }
+
+  private cutPosition(axis: number): number {
+    return (2 * this.cuts[axis].share - 1) * this.mesh.half[axis];
   }
 
   cut(axis: number, cut: Cut): void {
@@ -212,7 +298,8 @@ export class Scene {
   theme(colours: Record<string, string>): void {
     for (const [name, text] of Object.entries(colours)) {
       const {r, g, b} = new Color(text).convertLinearToSRGB();  // the shader uses sRGB values
-      (this.material.uniforms[name].value as Vector3).set(r, g, b);
+      const uniform = name === "cap" ? this.caps.colour : this.material.uniforms[name];
+      (uniform.value as Vector3).set(r, g, b);
     }
     this.draw();
   }
@@ -239,8 +326,8 @@ export class Scene {
           .multiplyScalar(Math.cos(tilt))
           .addScaledVector(side, Math.sin(tilt) * Math.cos(angle))
           .addScaledVector(other, Math.sin(tilt) * Math.sin(angle));
-        const [at, along] = [centroid.toArray(), tried.toArray()];
-        if (isHidden(positions, triangles, worst.triangle, at, along, 1e-4 * size)) continue;
+        const ray = {from: centroid.toArray(), along: tried.toArray()};
+        if (isHidden(positions, triangles, worst.triangle, ray, 1e-4 * size)) continue;
         from = tried;
         break search;
       }
@@ -254,27 +341,52 @@ export class Scene {
 
   /** Draws now. The picture can be read from the canvas until the next task. */
   render(): void {
+    this.drawAt(pixelRatio());
+    ++this.frames;
+    this.drew();
+  }
+
+  /**
+   * Calls `use` while the canvas has a larger picture, which is not shown.
+   * @param ratio pixels of the picture per CSS pixel
+   */
+  withPicture(ratio: number, use: (canvas: HTMLCanvasElement) => void): void {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    this.renderer.setSize(Math.round(width * ratio), Math.round(height * ratio), false);
+    this.drawAt(ratio);
+    use(this.canvas);
+    this.renderer.setSize(...pixelsOf(this.canvas), false);
+    this.render();
+  }
+
+  private drawAt(ratio: number): void {
     const {uniforms} = this.material;
-    const {half} = this.mesh;
     for (let axis = 0; axis < 3; ++axis) {
-      const {share, keep} = this.cuts[axis];
-      (uniforms.cutAt.value as Vector3).setComponent(axis, (2 * share - 1) * half[axis]);
+      (uniforms.cutAt.value as Vector3).setComponent(axis, this.cutPosition(axis));
       (uniforms.cutSide.value as Vector3).setComponent(
         axis,
-        this.isCut(axis) ? (keep === "below" ? 1 : -1) : 0,
+        this.isCut(axis) ? (this.cuts[axis].keep === "below" ? 1 : -1) : 0,
       );
     }
-    uniforms.solid.value = this.closed && ![0, 1, 2].some((axis) => this.isCut(axis));
-    const ratio = pixelRatio();
+    const isCut = [0, 1, 2].some((axis) => this.isCut(axis));
+    uniforms.solid.value = this.closed && !isCut;
     uniforms.pixelRatio.value = ratio;
     uniforms.linesFrom.value = {
       smooth: 1e9,
       split: Math.round((this.canvas.clientWidth / 2) * ratio),
       lines: -1,
     }[this.style];
+    this.renderer.clear();
     this.renderer.render(this.world, this.camera.three);
-    ++this.frames;
-    this.drew();
+    if (!isCut || !this.areCutsFilled) return;
+    this.caps.draw(
+      this.renderer,
+      this.camera.three,
+      this.surface.geometry,
+      this.prepared[this.level]!.closing,
+      this.facesInward,
+      this.mesh.half,
+    );
   }
 
   draw(): void {
@@ -307,7 +419,8 @@ export class Scene {
       "corners",
       new BufferAttribute(new Uint8Array(4 * triangles.length), 4, true),
     );
-    return {geometry, colouring: null, colours: null};
+    const closing = new BufferGeometry();
+    return {geometry, colouring: null, colours: null, closing, visibility: -1};
   }
 
   private resize(): void {
@@ -336,6 +449,7 @@ export function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext | n
     alpha: true,
     antialias: true,
     depth: true,
+    stencil: true,
     premultipliedAlpha: true,
   });
 }

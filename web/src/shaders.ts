@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One shader program draws all views. Edges are drawn from the barycentric coordinates of each
-// triangle, so that they cannot flicker against the surface.
+// triangle, so that they cannot flicker against the surface. Places are interpolated inside their
+// triangles (centroid), so that no pixel of a removed part remains.
 
 export const VERTEX = `
 precision highp float;
@@ -10,7 +11,8 @@ in vec4 corners;  // palette entries of the triangle's three corners
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform mat3 normalMatrix;
-out vec3 vPlace;
+centroid out vec3 vPlace;
+out vec3 vPixel;  // the same at the centre of the pixel, for differences between pixels
 out vec3 vNormal;
 out vec3 vWeight;
 flat out vec3 vCorners;
@@ -20,13 +22,15 @@ void main() {
   vWeight = vec3(corner == 0, corner == 1, corner == 2);
   vCorners = corners.xyz;
   vPlace = position;
+  vPixel = position;
   vNormal = normalMatrix * normal.xyz;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
 export const FRAGMENT = `
 precision highp float;
-in vec3 vPlace;
+centroid in vec3 vPlace;
+in vec3 vPixel;
 in vec3 vNormal;
 in vec3 vWeight;
 flat in vec3 vCorners;
@@ -66,7 +70,7 @@ vec3 shaded(vec3 albedo, vec3 n) {
 
 void main() {
   vec3 fromCut = cutSide * (cutAt - vPlace);
-  vec3 perPixel = fwidth(vPlace);
+  vec3 perPixel = fwidth(vPixel);
   vec3 across = dFdx(vWeight);
   vec3 along = dFdy(vWeight);
   if (any(lessThan(fromCut, vec3(0.0)))) discard;
@@ -98,4 +102,65 @@ void main() {
   vec3 onCut = step(fromCut, 1.3 * pixelRatio * perPixel) * abs(cutSide);
   if (max(onCut.x, max(onCut.y, onCut.z)) > 0.0) colour = mix(colour, section, 0.85);
   result = vec4(colour, 1.0);
+}`;
+
+// Filled cuts (caps.ts): surfaces are counted beyond one plane, whatever their depth.
+// @param place how positions are interpolated: "centroid", or "" at the centre of the pixel
+export const countVertex = (place: string): string => `
+precision highp float;
+in vec3 position;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+${place} out vec3 vPlace;
+
+void main() {
+  vPlace = position;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_Position.z = 0.0;  // never outside the near and far planes
+}`;
+
+export const countFragment = (place: string): string => `
+precision highp float;
+${place} in vec3 vPlace;
+uniform vec3 cutAt;
+uniform vec3 cutSide;
+uniform vec3 axis;  // of the plane: 1 in one component
+out vec4 result;
+
+void main() {
+  if (dot(axis, cutSide * (cutAt - vPlace)) < 0.0) discard;
+  result = vec4(0.0);
+}`;
+
+export const CAP_VERTEX = `
+precision highp float;
+in vec3 position;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform mat3 normalMatrix;
+uniform vec3 axis;
+centroid out vec3 vPlace;
+flat out float vFacing;  // cosine of the angle between the plane's normal and the line of sight
+
+void main() {
+  vPlace = position;
+  vFacing = abs((normalMatrix * axis).z);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+export const CAP_FRAGMENT = `
+precision highp float;
+centroid in vec3 vPlace;
+flat in float vFacing;
+uniform vec3 cutAt;
+uniform vec3 cutSide;
+uniform vec3 axis;
+uniform vec3 cap;
+out vec4 result;
+
+void main() {
+  // Other cuts remove parts of this one.
+  vec3 fromCut = (vec3(1.0) - axis) * cutSide * (cutAt - vPlace);
+  if (any(lessThan(fromCut, vec3(0.0)))) discard;
+  result = vec4(cap * mix(0.8, 1.0, vFacing), 1.0);
 }`;

@@ -50,6 +50,8 @@ export interface Components {
   /** Per vertex, the number of its component; component 0 has the most triangles. */
   of: Uint32Array;
   list: Component[];
+  /** The vertices of each boundary loop, in the order of the triangles' sides. */
+  loops: number[][];
 }
 
 /** Components of a manifold mesh and their topology, counted on the triangles. */
@@ -118,11 +120,16 @@ export function components(vertices: number, triangles: Uint32Array): Components
     }
   }
   const seen = new Set<number>();
+  const loops: number[][] = [];
   for (const first of next.keys()) {
     if (seen.has(first)) continue;
     ++countOf(first).boundaryLoops;
-    for (let v: number | undefined = first; v !== undefined && !seen.has(v); v = next.get(v))
+    const loop: number[] = [];
+    for (let v: number | undefined = first; v !== undefined && !seen.has(v); v = next.get(v)) {
       seen.add(v);
+      loop.push(v);
+    }
+    loops.push(loop);
   }
   const list = [...byRoot.values()].sort((a, b) => b.triangles - a.triangles || a.root - b.root);
   const rank = new Uint32Array(vertices);
@@ -132,7 +139,7 @@ export function components(vertices: number, triangles: Uint32Array): Components
       count.vertices - (3 * count.triangles + count.boundaryEdges) / 2 + count.triangles;
     count.genus = (2 - euler - count.boundaryLoops) / 2;
   });
-  return {of: Uint32Array.from({length: vertices}, (_, v) => rank[root(v)]), list};
+  return {of: Uint32Array.from({length: vertices}, (_, v) => rank[root(v)]), list, loops};
 }
 
 /** Per vertex, the unit normal: the angle-weighted mean of the normals of its triangles. */
@@ -180,37 +187,4 @@ export function enclosedVolume(positions: Float32Array, triangles: Uint32Array):
       p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
   }
   return sum / 6;
-}
-
-/** Whether the ray from `from` along `along` hits a triangle other than `own` beyond `least`. */
-export function isHidden(
-  positions: Float32Array,
-  triangles: Uint32Array,
-  own: number,
-  from: ArrayLike<number>,
-  along: ArrayLike<number>,
-  least: number,
-): boolean {
-  const p = positions;
-  const [ox, oy, oz] = [from[0], from[1], from[2]];
-  const [dx, dy, dz] = [along[0], along[1], along[2]];
-  for (let t = 0; t < triangles.length / 3; ++t) {
-    if (t === own) continue;
-    const a = 3 * triangles[3 * t];
-    const b = 3 * triangles[3 * t + 1];
-    const c = 3 * triangles[3 * t + 2];
-    const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
-    const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
-    const hx = dy * vz - dz * vy, hy = dz * vx - dx * vz, hz = dx * vy - dy * vx;
-    const det = ux * hx + uy * hy + uz * hz;
-    if (det === 0) continue;
-    const sx = ox - p[a], sy = oy - p[a + 1], sz = oz - p[a + 2];
-    const u = (sx * hx + sy * hy + sz * hz) / det;
-    if (u < 0 || u > 1) continue;
-    const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
-    const v = (dx * qx + dy * qy + dz * qz) / det;
-    if (v < 0 || u + v > 1) continue;
-    if ((vx * qx + vy * qy + vz * qz) / det > least) return true;
-  }
-  return false;
 }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes the pictures of the page in the documentation.
+//   node docs/images/make_page.mjs DRAGON.html PROTEIN.html
+// DRAGON.html becomes page.png, PROTEIN.html becomes page-cut.png:
+//   isoatlas extract dragon_sdf.nrrd --iso 0 --inside below --refine max-distance:4vx
+//     --refine max-distance:1vx --refine max-distance:0.5vx -o dragon.glb --html DRAGON.html
+//   isoatlas extract samples/protein_iron.nhdr --iso 100 --refine max-distance:2vx
+//     --refine max-distance:1vx --refine max-distance:0.5vx -o protein.glb --html PROTEIN.html
+// Needs the packages of the page (cd web && npm ci) and Chromium; ISOATLAS_PAGE_BUILD and
+// ISOATLAS_CHROMIUM as in tests/page.
+import {dirname, join, resolve} from "node:path";
+import {fileURLToPath, pathToFileURL} from "node:url";
+
+import {chromium} from "../../tests/page/modules.mjs";
+
+const [, , dragon, protein] = process.argv;
+if (!protein) {
+  console.error("usage: node docs/images/make_page.mjs DRAGON.html PROTEIN.html");
+  process.exit(2);
+}
+const browser = await chromium.launch({
+  executablePath: process.env.ISOATLAS_CHROMIUM ?? "/usr/bin/chromium",
+  args: [
+    "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+  ],
+});
+
+async function take(path, name, act) {
+  const page = await browser.newPage({
+    viewport: {width: 1280, height: 760},
+    reducedMotion: "reduce",
+  });
+  await page.goto(pathToFileURL(resolve(path)).href);
+  await page.waitForSelector("html[data-ready]");
+  await act(page);
+  await page.waitForTimeout(500);
+  await page.screenshot({path: join(dirname(fileURLToPath(import.meta.url)), name)});
+  await page.close();
+}
+
+await take(dragon, "page.png", (page) => page.locator("#style-split").click());
+await take(protein, "page-cut.png", async (page) => {
+  await page.locator("#colouring-component").click();
+  await page.locator("#cut-y").fill("0.5");
+  await page.locator("#measure").click();
+  const {x, y, width, height} = await page.locator("#view").boundingBox();
+  for (const [right, down] of [[0.59, 0.56], [0.67, 0.81]])
+    await page.mouse.click(x + right * width, y + down * height);
+});
+await browser.close();
