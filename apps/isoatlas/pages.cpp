@@ -199,8 +199,9 @@ ManPage::Text check_page() {
       .description = R"(
 Reads any triangle mesh and checks whether it is a manifold (every edge is in one or two triangles,
 and the triangles around every vertex form one fan) and consistently oriented. For such a mesh,
-prints components, Euler characteristic, genus and boundary loops. Also prints the shape of the
-triangles. The aspect ratio of a triangle is its shortest edge divided by its longest.
+prints components, Euler characteristic, genus and boundary loops. Also prints the extent, the area
+and the enclosed volume of the mesh and of its largest components, and the shape of the triangles.
+The aspect ratio of a triangle is its shortest edge divided by its longest.
 
 With --self-intersections, also searches for pairs of triangles that intersect, and lists the first
 ten. Two triangles may touch only in a vertex or an edge that they share by index. Two vertices at
@@ -213,7 +214,7 @@ near the volume; its coordinates are then probably not those of --space.
 )",
       .groups = {kInput, kMesh, kDistance, kReading, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas check head.ply
-isoatlas check head.ply --json | jq .genus
+isoatlas check head.ply --json | jq .genus,.extent.volume
 isoatlas check head.ply --self-intersections
 isoatlas check head.ply --volume head.nrrd --iso 80.5
 )"},

@@ -133,6 +133,16 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
   return out;
 }
 
+// Areas and volumes of `world`, bounds of `output`, the same mesh in the output space.
+std::vector<ComponentExtent> extents_of(const TriangleMesh& world, const TriangleMesh& output,
+                                        const MeshTopology& topology, const RunControl& control) {
+  std::vector<ComponentExtent> extents = component_extents(world, topology, control);
+  if (&world == &output) return extents;
+  const std::vector<ComponentExtent> in_output = component_extents(output, topology, control);
+  for (std::size_t c = 0; c < extents.size(); ++c) extents[c].bounds = in_output[c].bounds;
+  return extents;
+}
+
 void fill_self_intersections(const TriangleMesh& mesh, LevelReport& report,
                              const RunControl& control) {
   const std::vector<TrianglePair> pairs =
@@ -174,6 +184,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
         report.bad_triangles = bad_triangles(measured, mesh, obstacles, goal);
       },
       [&] {
+        report.extent = summarize(extents_of(measured, mesh, topology, quiet));
         report.quality = mesh_quality(measured, quiet);
         report.quality.zero_area_triangles = static_cast<std::size_t>(ranges::count_if(
             mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));

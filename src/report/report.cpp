@@ -306,7 +306,8 @@ std::string levels_manifest(const std::vector<ReportFile>& files,
 }
 
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
-                    const MeshQuality& quality, const SelfIntersectionReport* self_intersections,
+                    const MeshExtent& extent, const MeshQuality& quality,
+                    const SelfIntersectionReport* self_intersections,
                     const DistanceReport* distance) {
   Json json;
   json["schema"] = "isoatlas-check-1";
@@ -324,13 +325,15 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
   json["non_manifold_vertices"] = topology.non_manifold_vertices;
   json["inconsistent_edges"] = topology.inconsistent_edges;
   json["boundary_edges"] = topology.boundary_edges;
-  if (topology.is_manifold() && topology.is_oriented()) {
+  const bool is_oriented_manifold = topology.is_manifold() && topology.is_oriented();
+  if (is_oriented_manifold) {
     add_topology(json, summarize(topology.components));
   } else {
     json["components"] = topology.components.size();
     for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"})
       json[key] = nullptr;
   }
+  json["extent"] = to_value(extent, is_oriented_manifold);
   json["quality"] = to_value(quality);
   json["self_intersections"] = self_intersections ? to_value(*self_intersections) : Json();
   json["distance"] = distance ? to_value(*distance) : Json();

@@ -1760,6 +1760,84 @@ class Check(ToolTest):
         self.assertAlmostEqual(numbers["quality"]["aspect_ratio"]["minimum"], 1 / math.sqrt(2),
                                places=6)
 
+    def test_extent(self):
+        text, numbers = self.check(0, [(2 * x + 1, 3 * y, 4 * z) for x, y, z in TETRAHEDRON[0]],
+                                   TETRAHEDRON[1])
+        self.assertRegex(text, r"(?m)^  extent +2 x 3 x 4, from \(1, 0, 0\) to \(3, 3, 4\)$")
+        self.assertRegex(text, r"(?m)^  area +20\.8102 square units\n  encloses +4 cubic units$")
+        self.assertNotIn("component 0", text)
+        extent = numbers["extent"]
+        self.assertEqual((extent["low"], extent["high"], extent["volume"]), ([1, 0, 0], [3, 3, 4],
+                                                                             4))
+        self.assertAlmostEqual(extent["area"], 3 + 4 + 6 + math.sqrt(61))
+        self.assertEqual(len(extent["largest"]), 1)
+
+    def test_extent_of_components(self):
+        positions, triangles = [], []
+        for side in range(1, 9):  # one is open, one faces inwards
+            n = len(positions)
+            positions += [(side * x + 20 * side, side * y, side * z) for x, y, z in TETRAHEDRON[0]]
+            these = [tuple(v + n for v in t) for t in TETRAHEDRON[1]]
+            triangles += these[1:] if side == 5 else these
+            if side == 2:
+                triangles[-4:] = [(a, c, b) for a, b, c in triangles[-4:]]
+        text, numbers = self.check(0, positions, triangles)
+        cubes = sum(side**3 for side in range(1, 9)) - 5**3 - 2 * 2**3
+        self.assertRegex(text, rf"encloses +{cubes / 6:.6g} cubic units in 7 closed components; "
+                         "1 open component encloses nothing")
+        shown = re.findall(r"(?m)^ +component (\d): (\d) x \d x \d, area \S+ square units, (.*)$",
+                           text)
+        self.assertEqual([int(size) for _, size, _ in shown], [8, 7, 6, 5, 4, 3])
+        self.assertEqual(shown[0], ("7", "8", "encloses 85.3333 cubic units"))
+        self.assertEqual(shown[3], ("4", "5", "open"))
+        self.assertIn("and 2 smaller components", text)
+        extent = numbers["extent"]
+        self.assertAlmostEqual(extent["volume"], cubes / 6)
+        self.assertEqual(extent["open_components"], 1)
+        self.assertAlmostEqual(extent["largest"][6]["volume"], -8 / 6)
+        self.assertEqual([c["component"] for c in extent["largest"]], [7, 6, 5, 4, 3, 2, 1, 0])
+
+    def test_a_volume_that_faces_inwards_is_negative(self):
+        text, inward = self.check(0, TETRAHEDRON[0], [(a, c, b) for a, b, c in TETRAHEDRON[1]])
+        self.assertRegex(
+            text, r"encloses +-0\.166667 cubic units \(negative: the triangles face inwards\)")
+        self.assertAlmostEqual(inward["extent"]["volume"], -1 / 6)
+
+    def test_a_list_of_components_has_a_limit(self):
+        positions, triangles = [], []
+        for i in range(1200):
+            n = len(positions)
+            positions += [(x + 2 * i, y, z) for x, y, z in TETRAHEDRON[0]]
+            triangles += [tuple(v + n for v in t) for t in TETRAHEDRON[1]]
+        text, numbers = self.check(0, positions, triangles)
+        self.assertIn("and 1,194 smaller components", text)
+        self.assertEqual(len(numbers["extent"]["largest"]), 1000)
+        self.assertAlmostEqual(numbers["extent"]["volume"], 200)
+
+    def test_extent_of_an_open_mesh(self):
+        text, numbers = self.check(0, TETRAHEDRON[0], TETRAHEDRON[1][:3])
+        self.assertRegex(text, r"encloses +nothing: the mesh is open")
+        self.assertIsNone(numbers["extent"]["volume"])
+        self.assertEqual(numbers["extent"]["largest"][0]["boundary_loops"], 1)
+
+    def test_extent_in_the_unit_that_a_mesh_states(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space dimension: 3",
+                                'space units: "mm" "mm" "mm"',
+                                "space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)"))
+        self.succeed("extract", "s.nrrd", "--iso", "0", "--max-distance", "0.1vx", "-o", "s.3mf",
+                     "--report", "s.json", "-q")
+        text = self.succeed("check", "s.3mf")
+        volume = 4 / 3 * math.pi * 3.5**3
+        shown = re.search(r"encloses +(\S+) cubic mm\n", text)
+        self.assertAlmostEqual(float(shown.group(1)) / volume, 1, delta=0.04)
+        self.assertRegex(text, r"extent +\S+ x \S+ x \S+ mm, from")
+        level = json.loads((self.folder / "s.json").read_text())["levels"][-1]
+        self.assertAlmostEqual(level["extent"]["volume"] / volume, 1, delta=0.04)
+        details = self.succeed("extract", "s.nrrd", "--iso", "0", "-o", "s.ply", "--space",
+                               "voxel", "-v")
+        self.assertRegex(details, r"extent +1\S+ x 1\S+ x 1\S+ samples, from")
+        self.assertRegex(details, r"encloses +1\S+ cubic mm\n")
+
     def test_open(self):
         text, numbers = self.check(0, TETRAHEDRON[0], TETRAHEDRON[1][:3])
         self.assertRegex(text, r"closed +no: 3 boundary edges")

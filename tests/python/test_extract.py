@@ -210,6 +210,12 @@ def test_positions_in_the_report_are_in_coordinates_of_the_mesh():
         assert (farthest > low).all() and (farthest < high).all()
     for bad in mesh.levels[0].report["bad_triangles"]["worst"]:
         assert (np.array(bad["position"]) > low).all() and (np.array(bad["position"]) < high).all()
+    for level in mesh.levels:
+        extent = level.report["extent"]
+        for bounds in (extent, extent["largest"][0]):
+            assert bounds["low"] == level.vertices.min(0).tolist()
+            assert bounds["high"] == level.vertices.max(0).tolist()
+        assert extent["volume"] == pytest.approx(enclosed_volume(level.vertices, level.faces))
     assert mesh.report["input"]["size"] == [26, 22, 14]
     assert mesh.report["input"]["spacing"] == [1.0, 2.0, 3.0]
 

@@ -52,6 +52,7 @@ struct FullReport {
                         .boundary_loops = 0,
                         .kinds = {{0, 0, 1}}};
       level.quality.aspect_median = 0.5;
+      level.extent = summarize({{0, 20, {{1, 2, 3}, {4, 5, 6}}, 9.5, 1.5, {2, 0}}});
       level.metrics.emplace()[0] = {2.5, 0.5};
       level.constraints.push_back(
           result_of(Quantity::max_vertices, 5, false, 10, false, "topology needs 10"));
