@@ -198,7 +198,7 @@ is more.
       }
     }
     try {
-      arguments.goals = plan_levels(found, arguments.coarse);
+      arguments.goals = plan_levels(found, arguments.coarse, arguments.options.levels);
     } catch (const Error& error) {
       throw CLI::ValidationError(error.what());
     }
@@ -292,6 +292,11 @@ in each level so that the mesh lies evenly on both sides of the surface. Default
 Keep triangles that intersect. This is faster and gives fewer triangles. Default: no two triangles
 of a level intersect.
 )")->group(kMesh);
+  add_value(*command, kLevels, "--levels", "N", R"(
+Make N levels of detail, 1 to 16. The finest has the bound --max-distance (default: as without
+--levels); each coarser one has twice the bound of the next, or less, so that the coarsest keeps a
+recognisable shape. The other bounds hold in every level.
+)", [&](const std::string& text) { set(arguments, "levels", text); });
   add_goals(*command, arguments);
   command->add_flag("--strict", arguments.strict, R"(
 Write nothing if the exit status would be 1: a requested bound is violated, a mesh has

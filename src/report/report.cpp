@@ -76,9 +76,18 @@ Json length_value(const std::optional<Length>& length) {
 
 Json path_value(const std::string& path) { return path.empty() ? Json() : Json(path); }
 
-Json goals_value(const std::vector<LevelGoal>& goals) {
+/// The constraints of each refined level.
+Json goals_value(const ExtractOptions& options, const ExtractReport& report) {
   Json list = Json::array();
-  for (const LevelGoal& goal : goals) list.push_back(to_value(goal));
+  if (options.levels == 0) {
+    for (const LevelGoal& goal : options.refine) list.push_back(to_value(goal));
+    return list;
+  }
+  for (const LevelReport& level : report.levels) {  // planned by extract()
+    LevelGoal goal;
+    for (const ConstraintResult& result : level.constraints) goal.push_back(result.constraint);
+    list.push_back(to_value(goal));
+  }
   return list;
 }
 
@@ -170,7 +179,7 @@ Json surface_value(const SurfaceOptions& surface) {
 }
 
 /// @param options  lengths in world units
-Json parameters_value(const ExtractOptions& options, int threads) {
+Json parameters_value(const ExtractOptions& options, const ExtractReport& report, int threads) {
   return {{"non_finite", text(options.surface.non_finite)},
           {"interpolation", text(options.surface.interpolation)},
           {"supersample", options.supersample},
@@ -183,7 +192,8 @@ Json parameters_value(const ExtractOptions& options, int threads) {
           {"keep_components", options.components.keep_largest},
           {"vertices_on_surface", options.vertices_on_surface},
           {"coarse", to_value(options.coarse)},
-          {"refine", goals_value(options.refine)},
+          {"levels", options.levels},
+          {"refine", goals_value(options, report)},
           {"placement", text(options.placement)},
           {"allow_self_intersections", options.allow_self_intersections},
           {"measure_samples", options.measure_samples},
@@ -257,7 +267,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   json["command"] = context.command.empty() ? Json() : Json(context.command);
   json["input"] = to_value(context.volume);
   json["surface"] = surface_value(options.surface);
-  json["parameters"] = parameters_value(options, context.threads);
+  json["parameters"] = parameters_value(options, report, context.threads);
   add_result(json, report, context.files);
   Json& files = json["files"] = Json::array();
   for (const ReportFile& file : context.files) files.push_back(to_value(file));

@@ -202,8 +202,8 @@ class Help(ToolTest):
     OPTIONS = {
         "extract": "--iso -o --output --format --report --inside --topology --coarse --max-radius "
         "--covering --event-persistence --threads --nan --space -q --quiet -v --verbose "
-        "-h --help " + READING + "--refine --max-distance --mean-distance --area-curvature "
-        "--area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
+        "-h --help " + READING + "--levels --refine --max-distance --mean-distance "
+        "--area-curvature --area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
         "--min-vertices --min-edge --max-edge --min-aspect --placement --glb-per-level "
         "--measure --measure-samples --min-component-size --keep-components "
         "--interpolation --supersample --adaptive-supersample "
@@ -234,7 +234,7 @@ class Help(ToolTest):
         screen = self.succeed("extract", "--help").splitlines()[:24]
         start = screen.index("COMMON OPTIONS")
         names = [line.split()[0].rstrip(",") for line in screen[start:] if line.startswith("    -")]
-        self.assertEqual(names, ["--iso", "-o", "--max-distance", "--refine", "--report", "--html"])
+        self.assertEqual(names, ["--iso", "-o", "--max-distance", "--levels", "--report", "--html"])
         self.assertTrue(any(line.startswith("    isoatlas extract ") for line in screen[start:]),
                         "an example")
 
@@ -1247,6 +1247,13 @@ class BadArguments(ToolTest):
                     "max-vertices:20", "--max-vertices", "30")
         self.refuse("--max-vertices", *self.good, "--max-vertices", "30", "--max-vertices", "40")
         self.refuse("--coarse.*--refine", *self.good, "--coarse", "--refine", "max-distance:1")
+        self.refuse("--levels.*without --refine", *self.good, "--levels", "3", "--refine",
+                    "max-distance:1")
+        self.refuse("--levels.*without --coarse", *self.good, "--coarse", "--levels", "3")
+        self.refuse("levels: .*max-distance", *self.good, "--levels", "3", "--normal-angle", "20")
+        for number in ("0", "17", "2.5", "-1", "many"):
+            self.refuse(f"--levels: expected a whole number from 1 to 16, got '{number}'",
+                        *self.good, "--levels", number)
         self.refuse("--measure", *self.good, "--measure", "--measure-samples", "7")
         self.refuse("max-edge:1", *self.good, "--refine", "max-distance:1", "max-edge:1")
 
@@ -2219,6 +2226,36 @@ class Levels(ToolTest):
         return json.loads((self.folder / "r.json").read_text(encoding="utf-8"))
 
     TWO = ["--refine", "max-distance:2vx", "--refine", "max-distance:0.5vx"]
+
+    def test_a_number_of_levels(self):
+        self.put_sphere(n=60)
+        out = self.succeed("extract", "sphere.nrrd", "--iso", "0", "--levels", "3", "-o", "s.glb",
+                           "--max-distance", "0.2", "--max-edge", "15", "--report", "r.json",
+                           "--glb-per-level")
+        self.assertEqual(re.findall(r"(?m)^  level (\d)", out), ["0", "1", "2"])
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual(report["parameters"]["levels"], 3)
+        bounds = [[one["bound"] for one in goal] for goal in report["parameters"]["refine"]]
+        self.assertEqual(bounds, [[0.8, 15], [0.4, 15], [0.2, 15]])
+        self.assertEqual([level["constraints"][0]["bound"] for level in report["levels"]],
+                         [0.8, 0.4, 0.2])
+        triangles = [level["triangles"] for level in report["levels"]]
+        self.assertGreater(triangles[0], 40)
+        self.assertEqual(triangles, sorted(triangles))
+        self.assertIn("s-2.glb", self.files())
+        self.assertNotIn("s-3.glb", self.files())
+        levels = json.loads(self.succeed("levels", "s.glb", "--json"))
+        self.assertIs(levels["nested"], True)
+        self.assertEqual([level["triangles"] for level in levels["levels"]], triangles)
+
+    def test_a_number_of_levels_into_a_file_for_each(self):
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--levels", "2", "-o", "s-{level}.ply",
+                     "-q")
+        self.assertEqual(self.files(), ["s-0.ply", "s-1.ply", "sphere.nrrd"])
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--levels", "2", "-o", "b.glb", "-q",
+                     "--placement", "balanced", "--html", "b.html")
+        self.succeed("levels", "b.glb")
 
     def test_summary_has_a_line_for_each_level(self):
         printed = self.extract("t.ply", *self.TWO, "--report", "r.json")

@@ -64,6 +64,24 @@ def test_refine_takes_texts_dicts_and_lists():
     ]
 
 
+def test_levels_are_planned_down_to_the_bound():
+    mesh = isoatlas.extract(torus(), 0.0, levels=3, max_distance="0.1vx")
+    bounds = [level.report["constraints"][0]["bound"] for level in mesh.levels]
+    assert bounds[2] == 0.1 and bounds[0] / bounds[1] == pytest.approx(bounds[1] / bounds[2])
+    assert [goal[0]["bound"] for goal in mesh.report["parameters"]["refine"]] == bounds
+    assert mesh.report["parameters"]["levels"] == 3
+    sizes = [len(level.faces) for level in mesh.levels]
+    assert len(sizes) == 3 and sizes == sorted(sizes)
+    with pytest.raises(ValueError, match="levels .* without refine and coarse"):
+        isoatlas.extract(torus(), 0.0, levels=3, refine="max-distance:1")
+    with pytest.raises(ValueError, match="levels .* without refine and coarse"):
+        isoatlas.extract(torus(), 0.0, levels=3, coarse=True)
+    with pytest.raises(ValueError, match="levels: expected a whole number from 1 to 16"):
+        isoatlas.extract(torus(), 0.0, levels=0)
+    with pytest.raises(ValueError, match="levels: the finest level has no bound on max-distance"):
+        isoatlas.extract(torus(), 0.0, levels=2, normal_angle=20)
+
+
 def test_each_option_reaches_the_library():
     mesh = isoatlas.extract(
         torus(), -0.25, inside="below", nan="above", topology="faces", interpolation="tricubic",

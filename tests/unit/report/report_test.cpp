@@ -138,6 +138,35 @@ TEST(Report, Levels) {
   EXPECT_EQ(json["parameters"]["refine"][0][0]["quantity"], "max-distance");
 }
 
+TEST(Report, Extents) {
+  FullReport full;
+  std::vector<ComponentExtent> components;
+  for (std::uint32_t c = 0; c < 200; ++c) {
+    const std::optional<double> volume = c % 2 == 0 ? std::optional(1.0) : std::nullopt;
+    components.push_back({c, 4, {{0, 0, 0}, {1, 1, 1}}, 1.0 + c, volume, {2, c % 2}});
+  }
+  full.report.levels[1].extent = summarize(components);
+  const Json extent = full.json()["levels"][1]["extent"];
+  EXPECT_EQ(extent["volume"], 100);
+  EXPECT_EQ(extent["open_components"], 100);
+  ASSERT_EQ(extent["largest"].size(), 100u);
+  EXPECT_EQ(extent["largest"][0]["component"], 199);
+  EXPECT_TRUE(extent["largest"][0]["volume"].is_null());
+  EXPECT_EQ(extent["largest"][0]["boundary_loops"], 1);
+  EXPECT_EQ(extent["largest"][1]["volume"], 1);
+  EXPECT_EQ(extent["low"], Json({0, 0, 0}));
+}
+
+// With a number of levels, `refine` lists the goals that extract() planned.
+TEST(Report, PlannedLevels) {
+  FullReport full;
+  full.context.options.levels = 2;
+  const Json parameters = full.json()["parameters"];
+  EXPECT_EQ(parameters["levels"], 2);
+  ASSERT_EQ(parameters["refine"].size(), 2u);
+  EXPECT_EQ(parameters["refine"][0][1]["bound"], 3);
+}
+
 TEST(Report, MissingValuesAreNull) {
   FullReport full;
   full.report.levels[0].metrics.reset();
