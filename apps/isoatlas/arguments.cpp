@@ -459,10 +459,15 @@ Vec3 parse_direction(const std::string& text) {
   return Vec3{x, y, z};
 }
 
+bool is_name_of_view(const std::string& text) {
+  const std::string word = plain_word(text);
+  return !word.empty() && word[0] >= 'a' && word[0] <= 'z';
+}
+
 /// Names refer to a patient in LPS: x points to the left, y to the back, z to the head.
 Vec3 parse_view(const std::string& text) {
+  if (!is_name_of_view(text)) return parse_direction(text);
   const std::string word = plain_word(text);
-  if (word.empty() || word[0] < 'a' || word[0] > 'z') return parse_direction(text);
   if (word == "front") return {0, -1, 0};
   if (word == "back") return {0, 1, 0};
   if (word == "left") return {1, 0, 0};
@@ -519,12 +524,16 @@ Size of the picture in pixels, 16 to 8192 each. Default: 1200,900.
     options.height = *height;
   });
   add_value(*command, kOutput, "--view", "X,Y,Z", R"(
-Direction from the mesh to the viewer; or the side of a patient in LPS that is seen: front, back,
-left, right, top or bottom. Default: 0.45,-1,0.35, the front from slightly above.
-)", [&](const std::string& text) { options.view = parse_view(text); });
+Direction from the mesh to the viewer, in its coordinates; or the side of a patient that is seen:
+front, back, left, right, top or bottom. In LPS these are -y, y, x, -x, z and -z; in RAS x and y are
+negated. Default: the front from slightly above, 0.45,-1,0.35 in LPS.
+)", [&](const std::string& text) {
+    options.view = parse_view(text);
+    arguments.view_is_in_lps = is_name_of_view(text);
+  });
   add_value(*command, kOutput, "--up", "X,Y,Z", R"(
 Direction that points up in the picture. 0,0,-1 corrects a picture that is upside down. Default:
-0,0,1; for views from top or bottom 0,-1,0.
+0,0,1; in views along z the front, 0,-1,0 or in RAS 0,1,0.
 )", [&](const std::string& text) { options.up = parse_direction(text); });
   add_value(*command, kOutput, "--zoom", "FACTOR", R"(
 Magnification relative to a mesh that fills the picture. Default: 1.

@@ -17,8 +17,8 @@ struct OptionWords {
   ValueWords words;
 };
 
-const std::array<OptionWords, 10>& option_words() {
-  static const std::array<OptionWords, 10> kWords{{
+const std::array<OptionWords, 12>& option_words() {
+  static const std::array<OptionWords, 12> kWords{{
       {"--inside", {"above", "below"}},
       {"--nan", {"above", "below"}},
       {"--topology", {"trilinear", "faces"}},
@@ -27,6 +27,8 @@ const std::array<OptionWords, 10>& option_words() {
       {"--placement", {"surface", "balanced"}},
       {"--space", {"lps", "ras", "voxel"}},
       {"--format", {"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"}},
+      {"--style", {"smooth", "hidden-line"}},
+      {"--view", {"front", "back", "left", "right", "top", "bottom"}},
       {"--raw-endian", {"little", "big"}},
       {"--raw-type",
        {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",

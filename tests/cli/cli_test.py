@@ -2638,6 +2638,33 @@ class Picture(ToolTest):
             self.assertEqual(self.make("--size", "64,48", "--view", name),
                              self.make("--size", "64,48", "--view", view, *up), name)
 
+    def test_names_of_views_follow_the_space_of_the_mesh(self):
+        wedge = array.array("f", (6 - max(abs(x - 10), abs(y - 10),
+                                          abs(z - 10) + 0.4 * (y - 10) + 0.2 * (x - 10))
+                                  for z in range(21) for y in range(21) for x in range(21)))
+        self.put("ct.nrrd", nrrd(wedge, (21, 21, 21)))
+        for name, space in (("l.ply", "lps"), ("r.ply", "ras"), ("v.ply", "voxel"),
+                            ("r.gii", "lps")):
+            self.succeed("extract", "ct.nrrd", "--iso", "0.5", "-o", name, "--space", space, "-q")
+        def picture(name, *options):
+            self.succeed("picture", name, "-o", "p.png", "-q", "--size", "80,60", *options)
+            return (self.folder / "p.png").read_bytes()
+        for view in ([], ["--view", "front"], ["--view", "left"], ["--view", "top"],
+                     ["--view", "bottom"]):
+            seen = picture("l.ply", *view)
+            self.assertEqual(picture("r.ply", *view), seen, view)
+            self.assertEqual(picture("v.ply", *view), seen, view)
+        for name in ("r.ply", "r.gii"):
+            self.assertEqual(picture(name, "--view", "left"), picture(name, "--view", "-1,0,0"))
+            self.assertEqual(picture(name, "--view", "top"),
+                             picture(name, "--view", "0,0,1", "--up", "0,1,0"))
+        self.assertEqual(picture("r.ply", "--view", "0,0,1"), picture("l.ply", "--view", "0,0,1"))
+        self.assertNotEqual(picture("l.ply", "--view", "left"), picture("l.ply", "--view", "right"))
+
+    def test_every_direction_is_a_view(self):
+        for view in ("0,0,1", "0,0,-5", "1e-9,0,1", "1e-300,0,0", "1e300,1e300,0", "0,1e-5,1"):
+            self.assertEqual(png_size(self.make("--size", "40,30", "--view", view)), (40, 30))
+
     def test_default_size_and_summary(self):
         self.assertRegex(self.succeed("picture", "s.glb", "-o", "p.png"),
                          r"\A  wrote +p.png: [\d,]+ triangles, [\d.]+ KiB\n\Z")
