@@ -160,6 +160,8 @@ TEST(ComponentExtents, EqualsTheExactVolume) {
   const MeshExtent extent = summarize(component_extents(mesh));
   ASSERT_TRUE(extent.volume);
   EXPECT_NEAR(*extent.volume / exact, 1, 1e-15);
+  for (Vec3& p : mesh.positions) p = {p.x + 0x1p50, p.y - 0x1p49, p.z + 0x1p50};  // exact
+  EXPECT_EQ(summarize(component_extents(mesh)).volume, extent.volume) << "far from the origin";
 }
 
 TEST(ComponentExtents, ManyTrianglesCostNoDigits) {
