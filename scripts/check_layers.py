@@ -19,6 +19,7 @@ PUBLIC = {
     "run_control.h": "core",
     "version.h": "core",
     "volume.h": "core",
+    "component_extents.h": "core",
     "mesh.h": "core",
     "certificate.h": "core",
     "hierarchy.h": "core",

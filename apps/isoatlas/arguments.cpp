@@ -198,7 +198,7 @@ is more.
       }
     }
     try {
-      arguments.goals = plan_levels(found, arguments.coarse);
+      arguments.goals = plan_levels(found, arguments.coarse, arguments.options.levels);
     } catch (const Error& error) {
       throw CLI::ValidationError(error.what());
     }
@@ -297,6 +297,11 @@ in each level so that the mesh lies evenly on both sides of the surface. Default
 Keep triangles that intersect. This is faster and gives fewer triangles. Default: no two triangles
 of a level intersect.
 )")->group(kMesh);
+  add_value(*command, kLevels, "--levels", "N", R"(
+Make N levels of detail, 1 to 16. The finest has the bound --max-distance (default: as without
+--levels); each coarser one has twice the bound of the next, or less, so that the coarsest keeps a
+recognisable shape. The other bounds hold in every level.
+)", [&](const std::string& text) { set(arguments, "levels", text); });
   add_goals(*command, arguments);
   command->add_flag("--strict", arguments.strict, R"(
 Write nothing if the exit status would be 1: a requested bound is violated, a mesh has
@@ -459,10 +464,15 @@ Vec3 parse_direction(const std::string& text) {
   return Vec3{x, y, z};
 }
 
+bool is_name_of_view(const std::string& text) {
+  const std::string word = plain_word(text);
+  return !word.empty() && word[0] >= 'a' && word[0] <= 'z';
+}
+
 /// Names refer to a patient in LPS: x points to the left, y to the back, z to the head.
 Vec3 parse_view(const std::string& text) {
+  if (!is_name_of_view(text)) return parse_direction(text);
   const std::string word = plain_word(text);
-  if (word.empty() || word[0] < 'a' || word[0] > 'z') return parse_direction(text);
   if (word == "front") return {0, -1, 0};
   if (word == "back") return {0, 1, 0};
   if (word == "left") return {1, 0, 0};
@@ -519,12 +529,16 @@ Size of the picture in pixels, 16 to 8192 each. Default: 1200,900.
     options.height = *height;
   });
   add_value(*command, kOutput, "--view", "X,Y,Z", R"(
-Direction from the mesh to the viewer; or the side of a patient in LPS that is seen: front, back,
-left, right, top or bottom. Default: 0.45,-1,0.35, the front from slightly above.
-)", [&](const std::string& text) { options.view = parse_view(text); });
+Direction from the mesh to the viewer, in its coordinates; or the side of a patient that is seen:
+front, back, left, right, top or bottom. In LPS these are -y, y, x, -x, z and -z; in RAS x and y are
+negated. Default: the front from slightly above, 0.45,-1,0.35 in LPS.
+)", [&](const std::string& text) {
+    options.view = parse_view(text);
+    arguments.view_is_in_lps = is_name_of_view(text);
+  });
   add_value(*command, kOutput, "--up", "X,Y,Z", R"(
 Direction that points up in the picture. 0,0,-1 corrects a picture that is upside down. Default:
-0,0,1; for views from top or bottom 0,-1,0.
+0,0,1; in views along z the front, 0,-1,0 or in RAS 0,1,0.
 )", [&](const std::string& text) { options.up = parse_direction(text); });
   add_value(*command, kOutput, "--zoom", "FACTOR", R"(
 Magnification relative to a mesh that fills the picture. Default: 1.

@@ -65,6 +65,7 @@ struct PictureArguments {
   std::filesystem::path mesh, picture;
   std::optional<std::size_t> level;  ///< none: the finest
   PictureOptions options;
+  bool view_is_in_lps = true;  ///< false: `options.view` is in the coordinates of the mesh
   bool quiet = false;
 };
 

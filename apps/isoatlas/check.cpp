@@ -10,6 +10,8 @@
 #include "commands.h"
 #include "core/file_name.h"
 #include "exit_status.h"
+#include "extent_text.h"
+#include "isoatlas/component_extents.h"
 #include "isoatlas/error.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
@@ -191,6 +193,7 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
 
   const TriangleMesh mesh = read_mesh(arguments.mesh);
   const MeshTopology topology = mesh_topology(mesh);
+  const MeshExtent extent = summarize(component_extents(mesh, topology), kCheckedComponents);
   const MeshQuality quality = mesh_quality(mesh);
   std::optional<SelfIntersectionReport> intersections;
   if (arguments.self_intersections)
@@ -199,12 +202,14 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
   if (arguments.volume) distance = measure_distance(arguments, mesh, control);
   progress.erase();
   if (arguments.json) {
-    std::cout << to_json(arguments.mesh.string(), topology, quality,
+    std::cout << to_json(arguments.mesh.string(), topology, extent, quality,
                          intersections ? &*intersections : nullptr,
                          distance ? &distance->report : nullptr);
   } else {
     std::cout << one_line(arguments.mesh.string()) << "\n";
     print_topology(topology);
+    const LengthUnit unit = mesh_file_info(arguments.mesh).unit;
+    print_extent(std::cout, extent, unit, std::string(symbol(unit)));
     if (topology.triangles > 0) print_quality(quality, terminal_is_utf8());
     if (intersections) print_self_intersections(*intersections);
     if (distance) print_distance(distance->report, distance->unit);

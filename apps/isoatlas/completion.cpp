@@ -17,8 +17,8 @@ struct OptionWords {
   ValueWords words;
 };
 
-const std::array<OptionWords, 11>& option_words() {
-  static const std::array<OptionWords, 11> kWords{{
+const std::array<OptionWords, 13>& option_words() {
+  static const std::array<OptionWords, 13> kWords{{
       {"--inside", {"above", "below"}},
       {"--nan", {"above", "below"}},
       {"--topology", {"trilinear", "faces"}},
@@ -28,6 +28,8 @@ const std::array<OptionWords, 11>& option_words() {
       {"--placement", {"surface", "balanced"}},
       {"--space", {"lps", "ras", "voxel"}},
       {"--format", {"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"}},
+      {"--style", {"smooth", "hidden-line"}},
+      {"--view", {"front", "back", "left", "right", "top", "bottom"}},
       {"--raw-endian", {"little", "big"}},
       {"--raw-type",
        {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",

@@ -77,7 +77,8 @@ int interrupted_while_sending(const Interruption& interruption) {
 
 int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   if (arguments.page) require_pages();
-  ExtractOutputs outputs(arguments, 1 + arguments.goals.refine.size());
+  const std::size_t planned = arguments.options.levels;
+  ExtractOutputs outputs(arguments, planned > 0 ? planned : 1 + arguments.goals.refine.size());
 
   ProgressBar progress(!arguments.quiet);
   const Interruption::Cleanup clean_up(interruption, [&] {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "extent_text.h"
 #include "outputs/stated_rounding.h"
 #include "text.h"
 #include "volume_input.h"
@@ -188,9 +189,7 @@ std::string ranked_text(const std::vector<RankedComponent>& components, LengthUn
   const std::size_t parts = components.back().part - largest.part + 1;
   return (parts < components.size() ? counted(parts, "part") + " in " : "") +
          counted(components.size(), "component") + (parts > 1 ? ", the largest of " : " of ") +
-         number_text(largest.size) + " cubic " +
-         (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " +
-         point_text(largest.position) +
+         volume_text(largest.size, unit) + " at " + point_text(largest.position) +
          (largest.topology.boundary_loops > 0 ? ", cut by the volume boundary" : "");
 }
 
@@ -254,8 +253,11 @@ void print_details(std::ostream& out, const ExtractReport& report, const ReportC
                             : coarser + " c-vertices, certified in " +
                                   std::to_string(report.coarsening.repair_rounds) + " rounds")
       << row("kinds", kinds_text(report.levels.back().topology, 6));
+  const LengthUnit unit = context.volume.grid.unit;
+  print_extent(out, report.levels.back().extent, unit,
+               context.options.space == Space::voxel ? "samples" : std::string(symbol(unit)));
   for (std::size_t k = 0; k < report.levels.size(); ++k)
-    print_level_details(out, report.levels[k], k, context.volume.grid.unit);
+    print_level_details(out, report.levels[k], k, unit);
   for (const StageTime& stage : report.seconds)
     out << row("  " + stage.stage, seconds_text(stage.seconds));
   out << row("  write", seconds_text(context.write_seconds))

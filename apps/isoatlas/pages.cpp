@@ -99,7 +99,7 @@ ManPage::Text extract_page() {
 -o, --output MESH      its extension is the format: .ply, .stl, .glb, ...
 --max-distance LENGTH  largest distance between surface and mesh: 0.2mm or
                        1vx (voxel); larger: fewer triangles. Default: 0.5vx
---refine SPEC          add a level of detail, such as max-distance:2vx
+--levels N             N levels of detail, with errors in equal ratios
 --report FILE          all counts and measurements as JSON
 --html FILE            a page that shows the mesh in 3-D, in any browser
 
@@ -115,7 +115,8 @@ full-resolution surface. This is verified before anything is written.
 
 --refine sets the constraints of one level. The other options of LEVELS set constraints for all
 levels after level 0 (with --coarse: for level 0). If constraints conflict, the first on the command
-line has priority. Topology has priority over all constraints.
+line has priority. Topology has priority over all constraints. --levels chooses the bounds of all
+levels; level 0 then also has a bound on its distance from the surface, and a recognisable shape.
 
 A LENGTH is a number in the unit of the volume (2.5), a number with a unit (2.5mm, 0.2um), or a
 multiple of the smallest spacing of the volume (3vx). Units are nm, um, mm, cm, m, A and in. They
@@ -133,6 +134,9 @@ isoatlas extract head.nrrd --iso 80.5 --coarse -o head.ply
 isoatlas extract head.nrrd --iso 80.5 -o head.glb \
     --refine max-distance:2vx --refine max-distance:0.5vx,normal-angle:20deg
     Three levels of detail in one file.
+
+isoatlas extract head.nrrd --iso 80.5 -o head.glb --levels 4
+    Four levels within 4, 2, 1 and 0.5 voxels.
 
 isoatlas extract head.nrrd --iso 80.5 -o head-{level}.stl \
     --max-vertices 5000 --refine max-distance:1mm
@@ -199,8 +203,9 @@ ManPage::Text check_page() {
       .description = R"(
 Reads any triangle mesh and checks whether it is a manifold (every edge is in one or two triangles,
 and the triangles around every vertex form one fan) and consistently oriented. For such a mesh,
-prints components, Euler characteristic, genus and boundary loops. Also prints the shape of the
-triangles. The aspect ratio of a triangle is its shortest edge divided by its longest.
+prints components, Euler characteristic, genus and boundary loops. Also prints the extent, the area
+and the enclosed volume of the mesh and of its largest components, and the shape of the triangles.
+The aspect ratio of a triangle is its shortest edge divided by its longest.
 
 With --self-intersections, also searches for pairs of triangles that intersect, and lists the first
 ten. Two triangles may touch only in a vertex or an edge that they share by index. Two vertices at
@@ -213,7 +218,7 @@ near the volume; its coordinates are then probably not those of --space.
 )",
       .groups = {kInput, kMesh, kDistance, kReading, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas check head.ply
-isoatlas check head.ply --json | jq .genus
+isoatlas check head.ply --json | jq .genus,.extent.volume
 isoatlas check head.ply --self-intersections
 isoatlas check head.ply --volume head.nrrd --iso 80.5
 )"},

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "commands.h"
+#include "core/file_name.h"
 #include "exit_status.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
@@ -18,8 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-TriangleMesh read_level(const fs::path& path, const std::optional<std::size_t>& level) {
-  const Hierarchy hierarchy = read_levels(path).hierarchy;
+TriangleMesh level_of(const Hierarchy& hierarchy, const fs::path& path,
+                      const std::optional<std::size_t>& level) {
   const std::size_t last = hierarchy.levels.size() - 1;
   if (level.value_or(0) > last) {
     const std::string found = last == 0 ? "one level" : "levels 0 to " + std::to_string(last);
@@ -29,18 +30,29 @@ TriangleMesh read_level(const fs::path& path, const std::optional<std::size_t>& 
   return hierarchy.mesh(level.value_or(last));
 }
 
+/// The options for a mesh in `space`. In RAS the front of a patient is at y, in LPS at -y.
+PictureOptions options_in(const std::string& space, const PictureArguments& arguments) {
+  PictureOptions options = arguments.options;
+  if (lower_case(space) != "ras") return options;
+  options.front = {0, 1, 0};
+  if (arguments.view_is_in_lps) options.view = {-options.view.x, -options.view.y, options.view.z};
+  return options;
+}
+
 }  // namespace
 
 int run_picture(const PictureArguments& arguments, Interruption& interruption) {
-  PictureOptions options = arguments.options;
   if (same_file(arguments.mesh, arguments.picture))
     throw Error(ErrorCode::bad_argument,
                 arguments.picture.string() + ": the picture would replace the mesh");
-  options.format = picture_format(arguments.picture);
+  const PictureFormat format = picture_format(arguments.picture);
   check_output_path(arguments.picture);
   OutputFiles outputs;
   const Interruption::Cleanup clean_up(interruption, [&] { outputs.discard(); });
-  const TriangleMesh mesh = read_level(arguments.mesh, arguments.level);
+  const HierarchyFile file = read_levels(arguments.mesh);
+  const TriangleMesh mesh = level_of(file.hierarchy, arguments.mesh, arguments.level);
+  PictureOptions options = options_in(file.info.mesh.space, arguments);
+  options.format = format;
   const std::string picture = picture_of(mesh, options);
   outputs.write(arguments.picture,
                 [&](const fs::path& staged) { write_text_file(picture, staged); });

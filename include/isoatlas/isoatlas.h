@@ -4,6 +4,7 @@
 #pragma once
 
 #include "isoatlas/certificate.h"
+#include "isoatlas/component_extents.h"
 #include "isoatlas/error.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/field.h"

@@ -23,6 +23,8 @@ enum class CoveringStrategy : std::uint8_t {
 
 /// Upper limit of ExtractOptions::adaptive_supersample.
 constexpr std::uint32_t kMaxSubdivisions = 8;
+/// Upper limit of ExtractOptions::levels.
+constexpr std::uint32_t kMaxLevels = 16;
 
 /// How the covering by disks determines the sizes of the triangles of the coarse level.
 struct CoveringChoice {
@@ -69,6 +71,12 @@ struct ExtractOptions {
   LevelGoal coarse{};
   /// One refined level per entry, each refined from the previous level. Empty: only level 0.
   std::vector<LevelGoal> refine{default_goal()};
+  /// If above 0, extract() plans this number of levels: `refine` has one goal, that of the finest
+  /// level, with a bound on the distance. Each coarser level has twice the bound of the next, or
+  /// less, by the same factor for all, so that the coarsest keeps a recognisable shape. The other
+  /// constraints hold in every level. The coarse mesh of stage one is then not part of the result.
+  /// At most kMaxLevels. ladder() makes such goals from a given coarsest bound.
+  std::uint32_t levels = 0;
   Placement placement = Placement::surface;
   /// false: self-intersections are separated in every level, by smaller Voronoi cells and finally
   /// by subdividing the surface complex. Tests use the output coordinates, and also those rounded

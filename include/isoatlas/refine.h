@@ -154,6 +154,17 @@ struct LevelGoal : std::vector<Constraint> {
 /// more closely is not closer to the object.
 inline LevelGoal default_goal() { return Constraint{Quantity::max_distance, 0.5, true, true}; }
 
+/// Goals of several levels, coarse to fine. The bound of the two-sided distance shrinks by the same
+/// factor from each level to the next, from `coarsest` to that of `finest`; the other constraints
+/// of `finest` hold in every level. Example: `ladder(4, within(0.5 * vx), 4 * vx)` has the bounds
+/// 4, 2, 1 and 0.5 voxels. ExtractOptions::levels chooses `coarsest` from the surface.
+/// @param levels  1 or more; 1: only `finest`
+/// @param finest  has a bound of max_distance
+/// @param coarsest  at least that bound, and in voxels if that bound is
+/// @throws Error(bad_argument)
+ISOATLAS_API std::vector<LevelGoal> ladder(std::size_t levels, const LevelGoal& finest,
+                                           Length coarsest);
+
 /// Where the vertices of a level are placed.
 enum class Placement {
   surface,  ///< on the isosurface, at the same positions in all levels

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "isoatlas/certificate.h"
+#include "isoatlas/component_extents.h"
 #include "isoatlas/export.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
@@ -75,6 +76,8 @@ struct ISOATLAS_API LevelReport {
   /// compared (docs/theory/02-certificate.md).
   std::size_t inverted_components = 0;
   MeshQuality quality;  ///< lengths in world units, for every space of the mesh
+  /// Area and volume in world units, for every space of the mesh; bounds in the space of the mesh.
+  MeshExtent extent;
   /// The metrics in the order of Quantity. Absent if extract() made only level 0, without
   /// constraints and without measuring.
   std::optional<std::array<MetricSummary, kMetricCount>> metrics;

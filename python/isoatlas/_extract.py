@@ -9,7 +9,8 @@ from . import _core
 from ._mesh import Mesh
 from ._progress import ProgressLike, progress_callback
 from ._volume import Order, Volume, core_volume
-from ._words import Length, Number, Refine, isovalue, levels, words
+from ._words import Length, Number, Refine, isovalue, words
+from ._words import levels as level_words
 
 Side = Literal["above", "below"]
 
@@ -31,6 +32,7 @@ def extract(
     min_component_size: Length | None = None,
     keep_components: int | None = None,
     coarse: bool = False,
+    levels: int | None = None,
     refine: Refine | None = None,
     max_distance: Length | None = None,
     mean_distance: Length | None = None,
@@ -114,6 +116,10 @@ def extract(
         Keep only this number of largest components.
     coarse : bool
         Return only level 0, the coarsest mesh that preserves the topology.
+    levels : int, 1 to 16, optional
+        Make this number of levels. The finest has the bound ``max_distance``; each coarser one has
+        twice the bound of the next, or less, so that the coarsest keeps a recognisable shape. Not
+        with ``coarse`` or ``refine``.
     refine : str, dict, or list of these, optional
         Each entry adds one level, refined from the previous level until it satisfies the
         constraints of the entry: ``"max-distance:0.5vx,normal-angle:20deg"`` or
@@ -211,6 +217,7 @@ def extract(
         "adaptive_supersample": adaptive_supersample,
         "min_component_size": min_component_size,
         "keep_components": keep_components,
+        "levels": levels,
         "max_radius": max_radius,
         "covering": covering,
         "event_persistence": event_persistence,
@@ -236,7 +243,7 @@ def extract(
     request = _core.ExtractWords(
         [("iso", isovalue("iso", iso)), *words(settings)],
         words(constraints),
-        levels(refine),
+        level_words(refine),
         bool(coarse),
         bool(allow_self_intersections),
     )

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "axes.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -66,6 +67,13 @@ void Axes::to_caller(Measurement& measurement, Space space) const {
 void Axes::to_caller(Extraction& extraction, Space space) const {
   if (is_same()) return;
   const auto convert = [&](Vec3& p) { p = negated_if_ras(to_caller(p), space); };
+  const auto convert_box = [&](Box& box) {
+    convert(box.low);
+    convert(box.high);
+    const auto [low, high] = box;
+    box.low = {std::min(low.x, high.x), std::min(low.y, high.y), std::min(low.z, high.z)};
+    box.high = {std::max(low.x, high.x), std::max(low.y, high.y), std::max(low.z, high.z)};
+  };
   Hierarchy& hierarchy = extraction.hierarchy;
   for (Vec3& p : hierarchy.positions) convert(p);
   if (hierarchy.float32_origin) convert(*hierarchy.float32_origin);
@@ -79,6 +87,8 @@ void Axes::to_caller(Extraction& extraction, Space space) const {
     for (CellAtLimit& cell : level.at_limit) convert(cell.position);
     for (Vec3& p : level.self_intersection_positions) convert(p);
     for (BadTriangle& triangle : level.bad_triangles) convert(triangle.position);
+    convert_box(level.extent.bounds);
+    for (ComponentExtent& component : level.extent.largest) convert_box(component.bounds);
     if (level.measured) to_caller(*level.measured, space);
   }
 }

@@ -57,6 +57,7 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices,
   const auto work = [mesh, self_intersections, view, axes,
                      requested = distance](const RunControl& control) {
     const MeshTopology topology = mesh_topology(*mesh);
+    const MeshExtent extent = summarize(component_extents(*mesh, topology), kCheckedComponents);
     const MeshQuality quality = mesh_quality(*mesh);
     control.check_cancelled();
     std::optional<SelfIntersectionReport> intersections;
@@ -74,7 +75,7 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices,
       }
       axes->to_caller(found.measured, space);
     }
-    return to_json("", topology, quality, intersections ? &*intersections : nullptr,
+    return to_json("", topology, extent, quality, intersections ? &*intersections : nullptr,
                    axes ? &found : nullptr);
   };
   return compute_interruptibly(work,

@@ -45,7 +45,9 @@ TypedConstraint constraint_of(const std::string& name, const std::string& text) 
   return parse_bound(*quantity, text);
 }
 
-TypedGoals goals_of(const ExtractWords& words) {
+TypedGoals goals_of(const ExtractWords& words, std::uint32_t levels) {
+  if (levels > 0 && (words.coarse || !words.refine.empty()))
+    refuse("levels chooses the bounds of all levels, expected it without refine and coarse");
   if (words.coarse && !words.refine.empty())
     refuse("coarse keeps only the coarsest level, expected it without refine");
   std::vector<GoalArgument> arguments;
@@ -70,7 +72,7 @@ TypedGoals goals_of(const ExtractWords& words) {
     });
     arguments.push_back(std::move(argument));
   }
-  return plan_levels(arguments, words.coarse);
+  return plan_levels(arguments, words.coarse, levels);
 }
 
 ExtractSettings settings_of(const ExtractWords& words) {
@@ -78,7 +80,7 @@ ExtractSettings settings_of(const ExtractWords& words) {
   for (const auto& [name, text] : words.settings)
     with_option_name(name, [&, &name = name, &text = text] { set(settings, name, text); });
   settings.options.allow_self_intersections = words.allow_self_intersections;
-  settings.goals = goals_of(words);
+  settings.goals = goals_of(words, settings.options.levels);
   return settings;
 }
 

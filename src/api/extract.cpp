@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "api/choose_components.h"
+#include "api/ladder.h"
 #include "api/resolve_options.h"
 #include "complex/coarsen.h"
 #include "complex/component_sizes.h"
@@ -61,6 +62,18 @@ class StageClock {
   Clock::time_point start_, last_;
 };
 
+void check_planned_levels(const ExtractOptions& options) {
+  if (options.levels == 0) return;
+  require(options.levels <= kMaxLevels, "at most " + std::to_string(kMaxLevels) + " levels");
+  require(options.refine.size() == 1,
+          "with a number of levels, expected one goal to refine to: that of the finest level");
+  require(options.coarse.empty(),
+          "with a number of levels, expected no constraints of the coarse level: it is omitted");
+  require(ranges::any_of(options.refine.front(),
+                         [](const Constraint& c) { return c.quantity == Quantity::max_distance; }),
+          "a number of levels needs a bound on max-distance for the finest level");
+}
+
 void check_options(const ExtractOptions& options) {
   require(!options.covering.max_radius || (std::isfinite(options.covering.max_radius->value) &&
                                            options.covering.max_radius->value > 0),
@@ -78,6 +91,7 @@ void check_options(const ExtractOptions& options) {
       options.border == Border::open || !options.allow_self_intersections,
       "a mesh with self-intersections cannot be closed on the volume boundary; leave the border "
       "open or do not allow self-intersections");
+  check_planned_levels(options);
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {
@@ -166,17 +180,27 @@ std::optional<CapReference> choose_and_cap(SurfaceComplex& whole, Components& co
 // Measured on medical scans: all stages up to the coarse mesh take about a third of the time of a
 // refined level.
 std::vector<StageShare> stage_shares(const ExtractOptions& options) {
-  return {{"surface", 2}, {"components", 2},
-          {"coarsen", 2}, {"cover", 2},
-          {"certify", 2}, {"mesh", 9},
-          {"check", 1},   {"refine", 60.0 * static_cast<double>(options.refine.size())}};
+  const auto refined =
+      static_cast<double>(options.levels > 0 ? options.levels : options.refine.size());
+  return {{"surface", 2}, {"components", 2}, {"coarsen", 2}, {"cover", 2},
+          {"certify", 2}, {"mesh", 9},       {"check", 1},   {"refine", 60 * refined}};
+}
+
+// Removes level 0, which has no bound on its error, from planned levels. The next level becomes
+// level 0.
+void omit_coarse_level(Extraction& extraction) {
+  Hierarchy& hierarchy = extraction.hierarchy;
+  hierarchy.levels.erase(hierarchy.levels.begin());
+  extraction.report.levels.erase(extraction.report.levels.begin());
+  std::iota(hierarchy.parent.begin(),
+            hierarchy.parent.begin() + hierarchy.levels.front().vertex_count, 0u);
 }
 
 }  // namespace
 
 Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_options,
                    const RunControl& caller_control) try {
-  const ExtractOptions options = in_world(any_options, any_volume.grid);
+  ExtractOptions options = in_world(any_options, any_volume.grid);
   const RunControl control = with_whole_progress(caller_control, stage_shares(options));
   check_volume(any_volume, options.surface.isovalue);
   const Volume dense = dense_volume(any_volume);
@@ -222,6 +246,7 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
     caps = choose_and_cap(whole, reference, nesting, in_voxels, parse, volume, options, report,
                           control);
   }
+  if (options.levels > 0) options.refine = planned_levels(options, whole, reference, voxel);
   report.c_vertices = whole.positions.size();
   report.faces = whole.faces.size();
   report.double_segments = whole.double_segments;
@@ -314,6 +339,7 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   maker.describe_coarse(hierarchy, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
   fill_subdivision_report();
+  if (options.levels > 0) omit_coarse_level(out);
   clock.finished("refine");
   return out;
 } catch (const std::bad_alloc&) {

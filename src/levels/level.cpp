@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -94,8 +95,10 @@ double area_of(const TriangleMesh& mesh, std::size_t first) {
 
 // Appends the caps of a mesh in sample-index coordinates, and checks the topology of the closed
 // mesh.
-void append_caps(TriangleMesh& mesh, const std::vector<ComponentId>& component_of,
-                 const AdaptiveSurface& surface, LevelReport& report, const RunControl& control) {
+// @return its topology
+MeshTopology append_caps(TriangleMesh& mesh, const std::vector<ComponentId>& component_of,
+                         const AdaptiveSurface& surface, LevelReport& report,
+                         const RunControl& control) {
   const CapReference& reference = *surface.caps();
   Caps caps =
       make_caps(mesh.positions, mesh.triangles, component_of, reference, surface.complex().spacing);
@@ -109,7 +112,7 @@ void append_caps(TriangleMesh& mesh, const std::vector<ComponentId>& component_o
   mesh.triangles.insert(mesh.triangles.end(), caps.triangles.begin(), caps.triangles.end());
   report.caps.emplace().triangles = caps.triangles.size();
 
-  const MeshTopology topology = mesh_topology(mesh, control);
+  MeshTopology topology = mesh_topology(mesh, control);
   Components parts;
   parts.topology = reference.topology;
   std::vector<std::uint32_t> part_of;
@@ -129,6 +132,7 @@ void append_caps(TriangleMesh& mesh, const std::vector<ComponentId>& component_o
     part_of.push_back(part_of_component[topology.component_of_vertex[v]]);
   check_mesh(topology, parts, part_of);
   report.topology = summarize(topology.components);
+  return topology;
 }
 
 constexpr std::size_t kMaxListedIntersections = 10;  // number of self-intersections that are listed
@@ -183,6 +187,16 @@ std::vector<BadTriangle> bad_triangles(const MeshView& world, const MeshView& ou
   return out;
 }
 
+// Areas and volumes of `world`, bounds of `output`, the same mesh in the output space.
+std::vector<ComponentExtent> extents_of(const TriangleMesh& world, const TriangleMesh& output,
+                                        const MeshTopology& topology, const RunControl& control) {
+  std::vector<ComponentExtent> extents = component_extents(world, topology, control);
+  if (&world == &output) return extents;
+  const std::vector<ComponentExtent> in_output = component_extents(output, topology, control);
+  for (std::size_t c = 0; c < extents.size(); ++c) extents[c].bounds = in_output[c].bounds;
+  return extents;
+}
+
 void fill_self_intersections(const TriangleMesh& mesh, LevelReport& report,
                              const RunControl& control) {
   const std::vector<TrianglePair> pairs =
@@ -207,7 +221,9 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
   report_continuing(control);
   report.topology = summarize(topology.components);
   const std::size_t open_triangles = mesh.triangles.size();
-  if (surface.caps() != nullptr) append_caps(mesh, component_of, surface, report, control);
+  std::optional<MeshTopology> closed_topology;
+  if (surface.caps() != nullptr)
+    closed_topology = append_caps(mesh, component_of, surface, report, control);
   report.vertices = mesh.positions.size();
   report.triangles = mesh.triangles.size();
 
@@ -232,6 +248,8 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
             bad_triangles(without_caps(measured), without_caps(mesh), obstacles, goal);
       },
       [&] {
+        report.extent = summarize(
+            extents_of(measured, mesh, closed_topology ? *closed_topology : topology, quiet));
         report.quality = mesh_quality(without_caps(measured), quiet);
         report.quality.zero_area_triangles = static_cast<std::size_t>(ranges::count_if(
             mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));

@@ -56,6 +56,7 @@ Json counted(const TriangleMesh& mesh, std::size_t number) {
     for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"})
       level[key] = nullptr;
   }
+  level["extent"] = report::to_value(summarize(component_extents(mesh, topology)), manifold);
   level["quality"] = report::to_value(mesh_quality(mesh));
   return level;
 }

@@ -29,9 +29,9 @@
 
 #include "core/file_name.h"
 #include "core/vector_math.h"
-#include "geometry/vertex_normals.h"
 #include "isoatlas/error.h"
 #include "picture/display.h"
+#include "picture/shading.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -42,6 +42,7 @@ constexpr int kLargestWindow = 16384;  // drivers draw nothing to larger windows
 constexpr double kMargin = 1.06;
 constexpr double kMinSine = 1e-6;  // of the angle between the view and the up direction
 constexpr int kJpegQuality = 95;
+constexpr double kSharpDegrees = 60;  // triangles that differ by more have a visible edge
 
 struct Box {
   Vec3 middle;
@@ -60,27 +61,43 @@ Box box_of(const TriangleMesh& mesh) {
   return {0.5 * low + 0.5 * high, std::max(0.5 * length(high - low), 1e-300)};
 }
 
-// The mesh with vertex normals, moved to the origin and scaled to radius 1, so that float
-// coordinates are precise.
-vtkNew<vtkPolyData> surface_of(const TriangleMesh& mesh, const Box& box) {
+// The mesh moved to the origin and scaled to radius 1, so that float coordinates are precise.
+TriangleMesh in_unit_ball(const TriangleMesh& mesh, const Box& box) {
+  TriangleMesh out = mesh;
+  for (Vec3& p : out.positions) p = (1 / box.radius) * (p - box.middle);
+  return out;
+}
+
+vtkNew<vtkPoints> points_of(const TriangleMesh& mesh) {
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(static_cast<vtkIdType>(mesh.positions.size()));
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec3 at = (1 / box.radius) * (mesh.positions[v] - box.middle);
+    const Vec3 at = mesh.positions[v];
     points->SetPoint(static_cast<vtkIdType>(v), at.x, at.y, at.z);
   }
+  return points;
+}
+
+vtkNew<vtkPolyData> surface_of(const TriangleMesh& mesh) {
   vtkNew<vtkCellArray> triangles;
   for (const Triangle& t : mesh.triangles) triangles->InsertNextCell({t[0], t[1], t[2]});
-  const std::vector<Vec3> normals = vertex_normals(mesh, box.radius);
-  vtkNew<vtkFloatArray> unit;
-  unit->SetNumberOfComponents(3);
-  unit->SetNumberOfTuples(static_cast<vtkIdType>(normals.size()));
-  for (std::size_t v = 0; v < normals.size(); ++v)
-    unit->SetTuple3(static_cast<vtkIdType>(v), normals[v].x, normals[v].y, normals[v].z);
   vtkNew<vtkPolyData> out;
-  out->SetPoints(points);
+  out->SetPoints(points_of(mesh));
   out->SetPolys(triangles);
-  out->GetPointData()->SetNormals(unit);
+  return out;
+}
+
+vtkNew<vtkPolyData> smooth_surface_of(const TriangleMesh& mesh) {
+  const picture::ShadedMesh shaded = picture::split_at_sharp_edges(mesh, kSharpDegrees);
+  vtkNew<vtkPolyData> out = surface_of(shaded.mesh);
+  vtkNew<vtkFloatArray> normals;
+  normals->SetNumberOfComponents(3);
+  normals->SetNumberOfTuples(static_cast<vtkIdType>(shaded.normals.size()));
+  for (std::size_t v = 0; v < shaded.normals.size(); ++v) {
+    const Vec3 normal = shaded.normals[v];
+    normals->SetTuple3(static_cast<vtkIdType>(v), normal.x, normal.y, normal.z);
+  }
+  out->GetPointData()->SetNormals(normals);
   return out;
 }
 
@@ -118,10 +135,9 @@ void require(bool good, const char* message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
 }
 
-// In LPS, the front of a person is up if the view is from above or below.
-Vec3 default_up(Vec3 towards) {
+Vec3 default_up(Vec3 towards, Vec3 front) {
   const Vec3 z{0, 0, 1};
-  return length(cross(towards, z)) > kMinSine ? z : Vec3{0, -1, 0};
+  return length(cross(towards, z)) > kMinSine ? z : front;
 }
 
 /// The bytes of a file.
@@ -153,15 +169,16 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
   require(options.zoom > 0 && std::isfinite(options.zoom),
           "the zoom of a picture must be positive");
   const Vec3 towards = normalized(options.view);
-  const Vec3 upwards = options.up.value_or(default_up(towards));
+  const Vec3 upwards = options.up.value_or(default_up(towards, options.front));
   require(length(cross(towards, normalized(upwards))) > kMinSine,
           "the view and the up direction of a picture must not be zero or parallel");
   const int oversampling =
       std::min(kOversampling, kLargestWindow / std::max(options.width, options.height));
   const picture::Display display;
 
-  const Box box = box_of(mesh);
-  const vtkNew<vtkPolyData> surface = surface_of(mesh, box);
+  const TriangleMesh unit = in_unit_ball(mesh, box_of(mesh));
+  const bool is_smooth = options.style == PictureStyle::smooth;
+  const vtkNew<vtkPolyData> surface = is_smooth ? smooth_surface_of(unit) : surface_of(unit);
   vtkNew<vtkRenderer> renderer;
   renderer->SetBackground(1, 1, 1);
   vtkNew<vtkPolyDataMapper> mapper;
@@ -171,7 +188,7 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
   renderer->AddActor(actor);
   vtkProperty& look = *actor->GetProperty();
   vtkNew<vtkPolyData> edges;
-  if (options.style == PictureStyle::smooth) {
+  if (is_smooth) {
     look.SetColor(0.80, 0.79, 0.76);
     look.SetInterpolationToPhong();
     look.SetAmbient(0.12);
@@ -183,7 +200,7 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
     look.SetColor(1, 1, 1);
     mapper->SetResolveCoincidentTopologyToPolygonOffset();
     mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(2, 2);
-    edges->ShallowCopy(edges_of(mesh, *surface));
+    edges->ShallowCopy(edges_of(unit, *surface));
     vtkNew<vtkPolyDataMapper> edge_mapper;
     edge_mapper->SetInputData(edges);
     vtkNew<vtkActor> edge_actor;
@@ -202,11 +219,10 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
   // The scale at which every vertex is in the picture.
   const Vec3 right = normalized(cross(upwards, towards)), up = cross(towards, right);
   double half_width = 0, half_height = 0;
-  for (const Triangle& t : mesh.triangles) {
+  for (const Triangle& t : unit.triangles) {
     for (const std::uint32_t v : t) {
-      const Vec3 p = (1 / box.radius) * (mesh.positions[v] - box.middle);
-      half_width = std::max(half_width, std::fabs(dot(p, right)));
-      half_height = std::max(half_height, std::fabs(dot(p, up)));
+      half_width = std::max(half_width, std::fabs(dot(unit.positions[v], right)));
+      half_height = std::max(half_height, std::fabs(dot(unit.positions[v], up)));
     }
   }
   const double shape = static_cast<double>(options.height) / options.width;

@@ -12,7 +12,7 @@
 namespace isoatlas::detail {
 
 enum class PictureStyle : std::uint8_t {
-  smooth,       ///< lit, normals interpolated between vertices
+  smooth,       ///< lit, normals interpolated between vertices, except across sharp edges
   hidden_line,  ///< visible edges, dark on white: the paper's figure 1
 };
 
@@ -23,9 +23,10 @@ struct PictureOptions {
   PictureFormat format = PictureFormat::png;
   int width = 1200, height = 900;  ///< pixels
   Vec3 view{0.45, -1, 0.35};       ///< direction from the mesh to the viewer
-  std::optional<Vec3>
-      up;           ///< upward direction in the picture; default: z, or -y if the view is along z
-  double zoom = 1;  ///< 1: the whole mesh fits into the picture
+  /// Upward direction in the picture; default: z, or `front` if the view is along z.
+  std::optional<Vec3> up;
+  Vec3 front{0, -1, 0};  ///< direction to the front of a patient: -y in LPS, y in RAS
+  double zoom = 1;       ///< 1: the whole mesh fits into the picture
 };
 
 /// The format of the extension .png, .jpg or .jpeg.

@@ -146,6 +146,30 @@ Json to_value(const MeshQuality& quality) {
       {"zero_area_triangles", quality.zero_area_triangles}};
 }
 
+Json to_value(const MeshExtent& extent, bool is_oriented_manifold) {
+  Json largest = Json::array();
+  for (const ComponentExtent& component : extent.largest) {
+    const auto counted = [&](std::int64_t count) {
+      return is_oriented_manifold ? Json(count) : Json();
+    };
+    largest.push_back({{"component", component.component},
+                       {"triangles", component.triangles},
+                       {"low", to_value(component.bounds.low)},
+                       {"high", to_value(component.bounds.high)},
+                       {"area", component.area},
+                       {"volume", to_value(component.volume)},
+                       {"genus", counted(component.topology.genus())},
+                       {"boundary_loops", counted(component.topology.boundary_loops)}});
+  }
+  const bool is_empty = extent.components == 0;
+  return {{"low", is_empty ? Json() : to_value(extent.bounds.low)},
+          {"high", is_empty ? Json() : to_value(extent.bounds.high)},
+          {"area", extent.area},
+          {"volume", to_value(extent.volume)},
+          {"open_components", extent.open_components},
+          {"largest", std::move(largest)}};
+}
+
 Json to_value(const Measurement& measurement) {
   const OneSidedDistance& from_mesh = measurement.mesh_to_surface;
   const OneSidedDistance& from_surface = measurement.surface_to_mesh;
@@ -192,6 +216,7 @@ Json to_value(const LevelReport& level, std::size_t number) {
                      ? Json({{"triangles", level.caps->triangles}, {"area", level.caps->area}})
                      : Json();
   json["certificate"] = to_value(level.certificate);
+  json["extent"] = to_value(level.extent);
   json["quality"] = to_value(level.quality);
   json["metrics"] = metrics_value(level);
   json["distance_at_most"] = level.distance_at_most ? Json(*level.distance_at_most) : Json();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "isoatlas/component_extents.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/report.h"
@@ -19,6 +20,8 @@ Json to_value(Vec3 v);
 Json to_value(const std::optional<double>& length);  ///< null if absent
 Json to_value(const CertificateReport& certificate);
 Json to_value(const MeshQuality& quality);
+/// @param is_oriented_manifold  otherwise genus and boundary loops of the components are null
+Json to_value(const MeshExtent& extent, bool is_oriented_manifold = true);
 Json to_value(const Measurement& measurement);
 Json to_value(const LevelGoal& goal);
 

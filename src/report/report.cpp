@@ -78,9 +78,18 @@ Json length_value(const std::optional<Length>& length) {
 
 Json path_value(const std::string& path) { return path.empty() ? Json() : Json(path); }
 
-Json goals_value(const std::vector<LevelGoal>& goals) {
+/// The constraints of each refined level.
+Json goals_value(const ExtractOptions& options, const ExtractReport& report) {
   Json list = Json::array();
-  for (const LevelGoal& goal : goals) list.push_back(to_value(goal));
+  if (options.levels == 0) {
+    for (const LevelGoal& goal : options.refine) list.push_back(to_value(goal));
+    return list;
+  }
+  for (const LevelReport& level : report.levels) {  // planned by extract()
+    LevelGoal goal;
+    for (const ConstraintResult& result : level.constraints) goal.push_back(result.constraint);
+    list.push_back(to_value(goal));
+  }
   return list;
 }
 
@@ -172,7 +181,7 @@ Json surface_value(const SurfaceOptions& surface) {
 }
 
 /// @param options  lengths in world units
-Json parameters_value(const ExtractOptions& options, int threads) {
+Json parameters_value(const ExtractOptions& options, const ExtractReport& report, int threads) {
   return {{"non_finite", text(options.surface.non_finite)},
           {"interpolation", text(options.surface.interpolation)},
           {"supersample", options.supersample},
@@ -185,7 +194,8 @@ Json parameters_value(const ExtractOptions& options, int threads) {
           {"keep_components", options.components.keep_largest},
           {"vertices_on_surface", options.vertices_on_surface},
           {"coarse", to_value(options.coarse)},
-          {"refine", goals_value(options.refine)},
+          {"levels", options.levels},
+          {"refine", goals_value(options, report)},
           {"border", text(options.border)},
           {"placement", text(options.placement)},
           {"allow_self_intersections", options.allow_self_intersections},
@@ -260,7 +270,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   json["command"] = context.command.empty() ? Json() : Json(context.command);
   json["input"] = to_value(context.volume);
   json["surface"] = surface_value(options.surface);
-  json["parameters"] = parameters_value(options, context.threads);
+  json["parameters"] = parameters_value(options, report, context.threads);
   add_result(json, report, context.files);
   Json& files = json["files"] = Json::array();
   for (const ReportFile& file : context.files) files.push_back(to_value(file));
@@ -309,7 +319,8 @@ std::string levels_manifest(const std::vector<ReportFile>& files,
 }
 
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
-                    const MeshQuality& quality, const SelfIntersectionReport* self_intersections,
+                    const MeshExtent& extent, const MeshQuality& quality,
+                    const SelfIntersectionReport* self_intersections,
                     const DistanceReport* distance) {
   Json json;
   json["schema"] = "isoatlas-check-1";
@@ -327,13 +338,15 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
   json["non_manifold_vertices"] = topology.non_manifold_vertices;
   json["inconsistent_edges"] = topology.inconsistent_edges;
   json["boundary_edges"] = topology.boundary_edges;
-  if (topology.is_manifold() && topology.is_oriented()) {
+  const bool is_oriented_manifold = topology.is_manifold() && topology.is_oriented();
+  if (is_oriented_manifold) {
     add_topology(json, summarize(topology.components));
   } else {
     json["components"] = topology.components.size();
     for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"})
       json[key] = nullptr;
   }
+  json["extent"] = to_value(extent, is_oriented_manifold);
   json["quality"] = to_value(quality);
   json["self_intersections"] = self_intersections ? to_value(*self_intersections) : Json();
   json["distance"] = distance ? to_value(*distance) : Json();

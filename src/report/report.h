@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "isoatlas/component_extents.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
@@ -105,6 +106,9 @@ std::string level_json(const LevelReport& level, std::size_t number);
 std::string levels_manifest(const std::vector<ReportFile>& files,
                             const std::vector<std::string>& levels);
 
+/// Number of components that the result of `isoatlas check` lists.
+constexpr std::size_t kCheckedComponents = 1000;
+
 /// The result of `isoatlas check` as a JSON object, schema "isoatlas-check-1". Euler
 /// characteristic, genus, boundary loops and kinds are null unless the mesh is a consistently
 /// oriented manifold.
@@ -112,7 +116,7 @@ std::string levels_manifest(const std::vector<ReportFile>& files,
 /// @param self_intersections  null if they were not tested
 /// @param distance  null if it was not measured
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
-                    const MeshQuality& quality,
+                    const MeshExtent& extent, const MeshQuality& quality,
                     const SelfIntersectionReport* self_intersections = nullptr,
                     const DistanceReport* distance = nullptr);
 

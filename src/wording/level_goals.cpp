@@ -137,7 +137,8 @@ std::vector<TypedConstraint> parse_level(std::string_view spec) {
   }
 }
 
-TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coarse) {
+TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coarse,
+                       std::uint32_t levels) {
   // The goal of the level whose --refine is argument number `own`; kNone: only the options.
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   const auto goal_of = [&](std::size_t own, std::size_t level) {
@@ -152,6 +153,10 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
   TypedGoals goals;
   for (std::size_t i = 0; i < arguments.size(); ++i)
     if (arguments[i].is_level) goals.refine.push_back(goal_of(i, goals.refine.size() + 1));
+  if (levels > 0 && only_coarse)
+    refuse("--levels makes refined levels, expected it without --coarse");
+  if (levels > 0 && !goals.refine.empty())
+    refuse("--levels chooses the bounds of all levels, expected it without --refine");
   if (only_coarse) {
     if (!goals.refine.empty())
       refuse("--coarse makes only the coarsest level, expected it without --refine");
@@ -162,6 +167,10 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
     if (std::none_of(goal.begin(), goal.end(),
                      [](const TypedConstraint& c) { return is_metric(c.quantity); }))
       add_default(goal);
+    if (levels > 0 && std::none_of(goal.begin(), goal.end(), [](const TypedConstraint& c) {
+          return c.quantity == Quantity::max_distance;
+        }))
+      refuse("levels: the finest level has no bound on max-distance, expected one");
     goals.refine.push_back(std::move(goal));
   }
   return goals;

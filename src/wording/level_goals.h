@@ -2,6 +2,7 @@
 // Parses the constraints of levels from the arguments of the command line.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -49,11 +50,15 @@ struct TypedGoals {
 ///
 /// Without --refine there is one refined level; unless the options name a metric, its two-sided
 /// distance is bounded by half a default_voxel(). With `only_coarse` there is no refined level, and
-/// the options are constraints of level 0.
+/// the options are constraints of level 0. With a number of levels (ExtractOptions::levels), the
+/// one refined level is the finest of them.
 /// @param arguments  in the order of the command line
-/// @throws Error(bad_argument) if a level has a quantity twice, or `only_coarse` is combined with a
-///         --refine
-TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coarse);
+/// @throws Error(bad_argument) if a level has a quantity twice, `only_coarse` or `levels` is
+/// combined
+///         with a --refine or with each other, or the finest of `levels` has no bound on the
+///         distance
+TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coarse,
+                       std::uint32_t levels = 0);
 
 /// Converts all lengths to world units.
 LevelGoal in_world(const std::vector<TypedConstraint>& goal, const Grid& grid);

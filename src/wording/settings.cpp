@@ -101,6 +101,11 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
     const auto times = parse_whole<std::uint32_t>(text);
     if (!times || *times > kMaxSubdivisions) refuse_value("a whole number from 0 to 8", text);
     options.adaptive_supersample = *times;
+  } else if (name == "levels") {
+    const auto count = parse_whole<std::uint32_t>(text);
+    if (!count || *count == 0 || *count > kMaxLevels)
+      refuse_value("a whole number from 1 to " + std::to_string(kMaxLevels), text);
+    options.levels = *count;
   } else if (name == "min-component-size") {
     settings.min_component_size = space_size_of(text);
     if (!settings.min_component_size) refuse_fraction("a size like 10vx, 2.5mm3 or 2.5", text);

@@ -202,8 +202,8 @@ class Help(ToolTest):
     OPTIONS = {
         "extract": "--iso -o --output --format --report --inside --topology --coarse --max-radius "
         "--covering --event-persistence --threads --nan --space -q --quiet -v --verbose "
-        "-h --help " + READING + "--refine --max-distance --mean-distance --area-curvature "
-        "--area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
+        "-h --help " + READING + "--levels --refine --max-distance --mean-distance "
+        "--area-curvature --area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
         "--min-vertices --min-edge --max-edge --min-aspect --placement --glb-per-level "
         "--measure --measure-samples --min-component-size --keep-components "
         "--interpolation --supersample --adaptive-supersample "
@@ -234,7 +234,7 @@ class Help(ToolTest):
         screen = self.succeed("extract", "--help").splitlines()[:24]
         start = screen.index("COMMON OPTIONS")
         names = [line.split()[0].rstrip(",") for line in screen[start:] if line.startswith("    -")]
-        self.assertEqual(names, ["--iso", "-o", "--max-distance", "--refine", "--report", "--html"])
+        self.assertEqual(names, ["--iso", "-o", "--max-distance", "--levels", "--report", "--html"])
         self.assertTrue(any(line.startswith("    isoatlas extract ") for line in screen[start:]),
                         "an example")
 
@@ -1247,6 +1247,13 @@ class BadArguments(ToolTest):
                     "max-vertices:20", "--max-vertices", "30")
         self.refuse("--max-vertices", *self.good, "--max-vertices", "30", "--max-vertices", "40")
         self.refuse("--coarse.*--refine", *self.good, "--coarse", "--refine", "max-distance:1")
+        self.refuse("--levels.*without --refine", *self.good, "--levels", "3", "--refine",
+                    "max-distance:1")
+        self.refuse("--levels.*without --coarse", *self.good, "--coarse", "--levels", "3")
+        self.refuse("levels: .*max-distance", *self.good, "--levels", "3", "--normal-angle", "20")
+        for number in ("0", "17", "2.5", "-1", "many"):
+            self.refuse(f"--levels: expected a whole number from 1 to 16, got '{number}'",
+                        *self.good, "--levels", number)
         self.refuse("--measure", *self.good, "--measure", "--measure-samples", "7")
         self.refuse("max-edge:1", *self.good, "--refine", "max-distance:1", "max-edge:1")
 
@@ -1760,6 +1767,84 @@ class Check(ToolTest):
         self.assertAlmostEqual(numbers["quality"]["aspect_ratio"]["minimum"], 1 / math.sqrt(2),
                                places=6)
 
+    def test_extent(self):
+        text, numbers = self.check(0, [(2 * x + 1, 3 * y, 4 * z) for x, y, z in TETRAHEDRON[0]],
+                                   TETRAHEDRON[1])
+        self.assertRegex(text, r"(?m)^  extent +2 x 3 x 4, from \(1, 0, 0\) to \(3, 3, 4\)$")
+        self.assertRegex(text, r"(?m)^  area +20\.8102 square units\n  encloses +4 cubic units$")
+        self.assertNotIn("component 0", text)
+        extent = numbers["extent"]
+        self.assertEqual((extent["low"], extent["high"], extent["volume"]), ([1, 0, 0], [3, 3, 4],
+                                                                             4))
+        self.assertAlmostEqual(extent["area"], 3 + 4 + 6 + math.sqrt(61))
+        self.assertEqual(len(extent["largest"]), 1)
+
+    def test_extent_of_components(self):
+        positions, triangles = [], []
+        for side in range(1, 9):  # one is open, one faces inwards
+            n = len(positions)
+            positions += [(side * x + 20 * side, side * y, side * z) for x, y, z in TETRAHEDRON[0]]
+            these = [tuple(v + n for v in t) for t in TETRAHEDRON[1]]
+            triangles += these[1:] if side == 5 else these
+            if side == 2:
+                triangles[-4:] = [(a, c, b) for a, b, c in triangles[-4:]]
+        text, numbers = self.check(0, positions, triangles)
+        cubes = sum(side**3 for side in range(1, 9)) - 5**3 - 2 * 2**3
+        self.assertRegex(text, rf"encloses +{cubes / 6:.6g} cubic units in 7 closed components; "
+                         "1 open component encloses nothing")
+        shown = re.findall(r"(?m)^ +component (\d): (\d) x \d x \d, area \S+ square units, (.*)$",
+                           text)
+        self.assertEqual([int(size) for _, size, _ in shown], [8, 7, 6, 5, 4, 3])
+        self.assertEqual(shown[0], ("7", "8", "encloses 85.3333 cubic units"))
+        self.assertEqual(shown[3], ("4", "5", "open"))
+        self.assertIn("and 2 smaller components", text)
+        extent = numbers["extent"]
+        self.assertAlmostEqual(extent["volume"], cubes / 6)
+        self.assertEqual(extent["open_components"], 1)
+        self.assertAlmostEqual(extent["largest"][6]["volume"], -8 / 6)
+        self.assertEqual([c["component"] for c in extent["largest"]], [7, 6, 5, 4, 3, 2, 1, 0])
+
+    def test_a_volume_that_faces_inwards_is_negative(self):
+        text, inward = self.check(0, TETRAHEDRON[0], [(a, c, b) for a, b, c in TETRAHEDRON[1]])
+        self.assertRegex(
+            text, r"encloses +-0\.166667 cubic units \(negative: the triangles face inwards\)")
+        self.assertAlmostEqual(inward["extent"]["volume"], -1 / 6)
+
+    def test_a_list_of_components_has_a_limit(self):
+        positions, triangles = [], []
+        for i in range(1200):
+            n = len(positions)
+            positions += [(x + 2 * i, y, z) for x, y, z in TETRAHEDRON[0]]
+            triangles += [tuple(v + n for v in t) for t in TETRAHEDRON[1]]
+        text, numbers = self.check(0, positions, triangles)
+        self.assertIn("and 1,194 smaller components", text)
+        self.assertEqual(len(numbers["extent"]["largest"]), 1000)
+        self.assertAlmostEqual(numbers["extent"]["volume"], 200)
+
+    def test_extent_of_an_open_mesh(self):
+        text, numbers = self.check(0, TETRAHEDRON[0], TETRAHEDRON[1][:3])
+        self.assertRegex(text, r"encloses +nothing: the mesh is open")
+        self.assertIsNone(numbers["extent"]["volume"])
+        self.assertEqual(numbers["extent"]["largest"][0]["boundary_loops"], 1)
+
+    def test_extent_in_the_unit_that_a_mesh_states(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space dimension: 3",
+                                'space units: "mm" "mm" "mm"',
+                                "space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)"))
+        self.succeed("extract", "s.nrrd", "--iso", "0", "--max-distance", "0.1vx", "-o", "s.3mf",
+                     "--report", "s.json", "-q")
+        text = self.succeed("check", "s.3mf")
+        volume = 4 / 3 * math.pi * 3.5**3
+        shown = re.search(r"encloses +(\S+) cubic mm\n", text)
+        self.assertAlmostEqual(float(shown.group(1)) / volume, 1, delta=0.04)
+        self.assertRegex(text, r"extent +\S+ x \S+ x \S+ mm, from")
+        level = json.loads((self.folder / "s.json").read_text())["levels"][-1]
+        self.assertAlmostEqual(level["extent"]["volume"] / volume, 1, delta=0.04)
+        details = self.succeed("extract", "s.nrrd", "--iso", "0", "-o", "s.ply", "--space",
+                               "voxel", "-v")
+        self.assertRegex(details, r"extent +1\S+ x 1\S+ x 1\S+ samples, from")
+        self.assertRegex(details, r"encloses +1\S+ cubic mm\n")
+
     def test_open(self):
         text, numbers = self.check(0, TETRAHEDRON[0], TETRAHEDRON[1][:3])
         self.assertRegex(text, r"closed +no: 3 boundary edges")
@@ -2142,6 +2227,36 @@ class Levels(ToolTest):
 
     TWO = ["--refine", "max-distance:2vx", "--refine", "max-distance:0.5vx"]
 
+    def test_a_number_of_levels(self):
+        self.put_sphere(n=60)
+        out = self.succeed("extract", "sphere.nrrd", "--iso", "0", "--levels", "3", "-o", "s.glb",
+                           "--max-distance", "0.2", "--max-edge", "15", "--report", "r.json",
+                           "--glb-per-level")
+        self.assertEqual(re.findall(r"(?m)^  level (\d)", out), ["0", "1", "2"])
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual(report["parameters"]["levels"], 3)
+        bounds = [[one["bound"] for one in goal] for goal in report["parameters"]["refine"]]
+        self.assertEqual(bounds, [[0.8, 15], [0.4, 15], [0.2, 15]])
+        self.assertEqual([level["constraints"][0]["bound"] for level in report["levels"]],
+                         [0.8, 0.4, 0.2])
+        triangles = [level["triangles"] for level in report["levels"]]
+        self.assertGreater(triangles[0], 40)
+        self.assertEqual(triangles, sorted(triangles))
+        self.assertIn("s-2.glb", self.files())
+        self.assertNotIn("s-3.glb", self.files())
+        levels = json.loads(self.succeed("levels", "s.glb", "--json"))
+        self.assertIs(levels["nested"], True)
+        self.assertEqual([level["triangles"] for level in levels["levels"]], triangles)
+
+    def test_a_number_of_levels_into_a_file_for_each(self):
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--levels", "2", "-o", "s-{level}.ply",
+                     "-q")
+        self.assertEqual(self.files(), ["s-0.ply", "s-1.ply", "sphere.nrrd"])
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--levels", "2", "-o", "b.glb", "-q",
+                     "--placement", "balanced", "--html", "b.html")
+        self.succeed("levels", "b.glb")
+
     def test_summary_has_a_line_for_each_level(self):
         printed = self.extract("t.ply", *self.TWO, "--report", "r.json")
         for k, level in enumerate(self.report()["levels"]):
@@ -2522,6 +2637,33 @@ class Picture(ToolTest):
             up = ["--up", "0,-1,0"] if name in ("top", "bottom") else []
             self.assertEqual(self.make("--size", "64,48", "--view", name),
                              self.make("--size", "64,48", "--view", view, *up), name)
+
+    def test_names_of_views_follow_the_space_of_the_mesh(self):
+        wedge = array.array("f", (6 - max(abs(x - 10), abs(y - 10),
+                                          abs(z - 10) + 0.4 * (y - 10) + 0.2 * (x - 10))
+                                  for z in range(21) for y in range(21) for x in range(21)))
+        self.put("ct.nrrd", nrrd(wedge, (21, 21, 21)))
+        for name, space in (("l.ply", "lps"), ("r.ply", "ras"), ("v.ply", "voxel"),
+                            ("r.gii", "lps")):
+            self.succeed("extract", "ct.nrrd", "--iso", "0.5", "-o", name, "--space", space, "-q")
+        def picture(name, *options):
+            self.succeed("picture", name, "-o", "p.png", "-q", "--size", "80,60", *options)
+            return (self.folder / "p.png").read_bytes()
+        for view in ([], ["--view", "front"], ["--view", "left"], ["--view", "top"],
+                     ["--view", "bottom"]):
+            seen = picture("l.ply", *view)
+            self.assertEqual(picture("r.ply", *view), seen, view)
+            self.assertEqual(picture("v.ply", *view), seen, view)
+        for name in ("r.ply", "r.gii"):
+            self.assertEqual(picture(name, "--view", "left"), picture(name, "--view", "-1,0,0"))
+            self.assertEqual(picture(name, "--view", "top"),
+                             picture(name, "--view", "0,0,1", "--up", "0,1,0"))
+        self.assertEqual(picture("r.ply", "--view", "0,0,1"), picture("l.ply", "--view", "0,0,1"))
+        self.assertNotEqual(picture("l.ply", "--view", "left"), picture("l.ply", "--view", "right"))
+
+    def test_every_direction_is_a_view(self):
+        for view in ("0,0,1", "0,0,-5", "1e-9,0,1", "1e-300,0,0", "1e300,1e300,0", "0,1e-5,1"):
+            self.assertEqual(png_size(self.make("--size", "40,30", "--view", view)), (40, 30))
 
     def test_default_size_and_summary(self):
         self.assertRegex(self.succeed("picture", "s.glb", "-o", "p.png"),

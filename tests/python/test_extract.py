@@ -64,6 +64,24 @@ def test_refine_takes_texts_dicts_and_lists():
     ]
 
 
+def test_levels_are_planned_down_to_the_bound():
+    mesh = isoatlas.extract(torus(), 0.0, levels=3, max_distance="0.1vx")
+    bounds = [level.report["constraints"][0]["bound"] for level in mesh.levels]
+    assert bounds[2] == 0.1 and bounds[0] / bounds[1] == pytest.approx(bounds[1] / bounds[2])
+    assert [goal[0]["bound"] for goal in mesh.report["parameters"]["refine"]] == bounds
+    assert mesh.report["parameters"]["levels"] == 3
+    sizes = [len(level.faces) for level in mesh.levels]
+    assert len(sizes) == 3 and sizes == sorted(sizes)
+    with pytest.raises(ValueError, match="levels .* without refine and coarse"):
+        isoatlas.extract(torus(), 0.0, levels=3, refine="max-distance:1")
+    with pytest.raises(ValueError, match="levels .* without refine and coarse"):
+        isoatlas.extract(torus(), 0.0, levels=3, coarse=True)
+    with pytest.raises(ValueError, match="levels: expected a whole number from 1 to 16"):
+        isoatlas.extract(torus(), 0.0, levels=0)
+    with pytest.raises(ValueError, match="levels: the finest level has no bound on max-distance"):
+        isoatlas.extract(torus(), 0.0, levels=2, normal_angle=20)
+
+
 def test_each_option_reaches_the_library():
     mesh = isoatlas.extract(
         torus(), -0.25, inside="below", nan="above", topology="faces", interpolation="tricubic",
@@ -210,6 +228,12 @@ def test_positions_in_the_report_are_in_coordinates_of_the_mesh():
         assert (farthest > low).all() and (farthest < high).all()
     for bad in mesh.levels[0].report["bad_triangles"]["worst"]:
         assert (np.array(bad["position"]) > low).all() and (np.array(bad["position"]) < high).all()
+    for level in mesh.levels:
+        extent = level.report["extent"]
+        for bounds in (extent, extent["largest"][0]):
+            assert bounds["low"] == level.vertices.min(0).tolist()
+            assert bounds["high"] == level.vertices.max(0).tolist()
+        assert extent["volume"] == pytest.approx(enclosed_volume(level.vertices, level.faces))
     assert mesh.report["input"]["size"] == [26, 22, 14]
     assert mesh.report["input"]["spacing"] == [1.0, 2.0, 3.0]
 

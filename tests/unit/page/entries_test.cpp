@@ -76,6 +76,8 @@ TEST_F(PageEntries, ContainTheFactsOfAReport) {
   EXPECT_EQ(facts["command"], "isoatlas extract torus.nrrd");
   EXPECT_EQ(facts["levels"].size(), 2u);
   EXPECT_EQ(facts["levels"][1]["genus"], 1);
+  EXPECT_EQ(facts["levels"][1]["extent"]["volume"], *extraction_.finest().extent.volume);
+  EXPECT_EQ(facts["levels"][1]["extent"]["largest"].size(), 1u);
   EXPECT_EQ(facts["reference"]["genus"], 1);
   EXPECT_EQ(facts["marching_cubes"]["triangles"], cubes->triangles);
   EXPECT_FALSE(facts["levels"][1].contains("at_limit"));
@@ -121,6 +123,7 @@ TEST_F(PageEntries, OfFilesContainTheirFactsAndCounts) {
   EXPECT_EQ(facts["levels"].size(), 1u);
   EXPECT_EQ(facts["levels"][0]["genus"], 1);
   EXPECT_EQ(facts["levels"][0]["triangles"], extraction_.finest().triangles);
+  EXPECT_EQ(facts["levels"][0]["extent"]["volume"], *extraction_.finest().extent.volume);
   EXPECT_FALSE(facts["levels"][0].contains("certificate"));
   EXPECT_EQ(facts["unit"], "units") << "the file does not state its space";
 }

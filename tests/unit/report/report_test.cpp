@@ -52,6 +52,7 @@ struct FullReport {
                         .boundary_loops = 0,
                         .kinds = {{0, 0, 1}}};
       level.quality.aspect_median = 0.5;
+      level.extent = summarize({{0, 20, {{1, 2, 3}, {4, 5, 6}}, 9.5, 1.5, {2, 0}}});
       level.metrics.emplace()[0] = {2.5, 0.5};
       level.constraints.push_back(
           result_of(Quantity::max_vertices, 5, false, 10, false, "topology needs 10"));
@@ -136,6 +137,35 @@ TEST(Report, Levels) {
   EXPECT_EQ(level["measured"]["mesh_to_surface"]["voxels"]["maximum"], 1.5);
   EXPECT_EQ(json["files"][1]["largest_rounding"], 0.5);
   EXPECT_EQ(json["parameters"]["refine"][0][0]["quantity"], "max-distance");
+}
+
+TEST(Report, Extents) {
+  FullReport full;
+  std::vector<ComponentExtent> components;
+  for (std::uint32_t c = 0; c < 200; ++c) {
+    const std::optional<double> volume = c % 2 == 0 ? std::optional(1.0) : std::nullopt;
+    components.push_back({c, 4, {{0, 0, 0}, {1, 1, 1}}, 1.0 + c, volume, {2, c % 2}});
+  }
+  full.report.levels[1].extent = summarize(components);
+  const Json extent = full.json()["levels"][1]["extent"];
+  EXPECT_EQ(extent["volume"], 100);
+  EXPECT_EQ(extent["open_components"], 100);
+  ASSERT_EQ(extent["largest"].size(), 100u);
+  EXPECT_EQ(extent["largest"][0]["component"], 199);
+  EXPECT_TRUE(extent["largest"][0]["volume"].is_null());
+  EXPECT_EQ(extent["largest"][0]["boundary_loops"], 1);
+  EXPECT_EQ(extent["largest"][1]["volume"], 1);
+  EXPECT_EQ(extent["low"], Json({0, 0, 0}));
+}
+
+// With a number of levels, `refine` lists the goals that extract() planned.
+TEST(Report, PlannedLevels) {
+  FullReport full;
+  full.context.options.levels = 2;
+  const Json parameters = full.json()["parameters"];
+  EXPECT_EQ(parameters["levels"], 2);
+  ASSERT_EQ(parameters["refine"].size(), 2u);
+  EXPECT_EQ(parameters["refine"][0][1]["bound"], 3);
 }
 
 TEST(Report, MissingValuesAreNull) {
