@@ -215,10 +215,13 @@ struct SurfaceOptions {
 
 }  // namespace isoatlas
 
-/// `auto [nx, ny, nz] = volume.grid.size`
+// doxygen does not know std::tuple_size.
+/// @cond
+// `auto [nx, ny, nz] = volume.grid.size`
 template <>
 struct std::tuple_size<isoatlas::Size3> : std::integral_constant<std::size_t, 3> {};
 template <std::size_t I>
 struct std::tuple_element<I, isoatlas::Size3> {
   using type = std::size_t;
 };
+/// @endcond

@@ -351,7 +351,8 @@ class Blocks(unittest.TestCase):
     def test_python_is_run(self):
         for block in all_blocks():
             if block.language == "python":
-                self.assertIn(block.page, PYTHON_PAGES | HOST_PAGES | TUTORIAL, f"{block}: no test runs it")
+                self.assertIn(block.page, PYTHON_PAGES | HOST_PAGES | TUTORIAL,
+                              f"{block}: no test runs it")
 
     def test_cmake_is_run(self):
         """tests/install/install_test.py builds a program with each of them."""

@@ -47,7 +47,7 @@ def _label_field(samples: npt.NDArray[Any], label: int, smooth: float) -> npt.ND
     """The mask of a label, smoothed by a Gaussian; its surface is at 0.5."""
     if samples.dtype.kind not in "biu":
         raise UnsupportedError(f"labels of type {samples.dtype}, expected integers")
-    mask = samples == label
+    mask: npt.NDArray[Any] = samples == label
     if not mask.any():
         found = ", ".join(map(str, np.unique(samples)[:12]))
         raise BadArgumentError(f"label: no sample has the label {label}; the labels are {found}")
