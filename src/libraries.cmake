@@ -49,6 +49,8 @@ if(ISOATLAS_BUILD_VTK_FILTER)
   set(vtk_modules VTK::CommonCore VTK::CommonDataModel VTK::CommonExecutionModel VTK::CommonMath)
   isoatlas_library(isoatlas_vtk ${kind} OUTPUT isoatlas_vtk MODULES vtk_filter)
   target_link_libraries(isoatlas_vtk PUBLIC isoatlas::isoatlas ${vtk_modules})
-  set_target_properties(isoatlas_vtk PROPERTIES EXPORT_NAME vtk)
+  # A program that uses only the filter does not link the core itself: the filter's library finds it
+  # next to itself.
+  set_target_properties(isoatlas_vtk PROPERTIES EXPORT_NAME vtk INSTALL_RPATH "$ORIGIN")
   add_library(isoatlas::vtk ALIAS isoatlas_vtk)
 endif()
