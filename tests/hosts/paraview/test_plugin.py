@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ParaView plugin in ParaView's own Python: pvbatch test_plugin.py [PICTURE].
 
-Prints "all tests passed" at the end. PICTURE is written; default: a temporary file.
+The status of pvbatch also shows whether its process ends without a crash. PICTURE is written;
+default: a temporary file.
 """
 
 import inspect
@@ -225,5 +226,6 @@ class Plugin(unittest.TestCase):
 
 if __name__ == "__main__":
     suite = unittest.defaultTestLoader.loadTestsFromTestCase(Plugin)
-    if unittest.TextTestRunner(verbosity=2, stream=sys.stdout).run(suite).wasSuccessful():
-        print("all tests passed", flush=True)
+    result = unittest.TextTestRunner(verbosity=2, stream=sys.stdout).run(suite)
+    if not result.wasSuccessful():
+        sys.exit(1)
