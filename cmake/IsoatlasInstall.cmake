@@ -17,7 +17,8 @@ endfunction()
 set(io_headers io.h json.h mesh_file.h text_file.h volume_file.h volume_source.h)
 file(GLOB headers RELATIVE ${PROJECT_SOURCE_DIR}/include/isoatlas
   ${PROJECT_SOURCE_DIR}/include/isoatlas/*.h)
-list(REMOVE_ITEM headers ${io_headers})
+set(vtk_headers vtkIsoAtlas.h)
+list(REMOVE_ITEM headers ${io_headers} ${vtk_headers})
 
 function(install_headers)
   list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/include/isoatlas/ OUTPUT_VARIABLE files)
@@ -41,6 +42,11 @@ if(ISOATLAS_BUILD_IO)
   install_library(io isoatlas_io_shared)
   install_headers(${io_headers})
   install_pkgconfig(isoatlas_io)
+endif()
+
+if(ISOATLAS_BUILD_VTK_FILTER)
+  install_library(vtk isoatlas_vtk)
+  install_headers(${vtk_headers})
 endif()
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/isoatlas-config.cmake.in

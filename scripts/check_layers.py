@@ -39,6 +39,7 @@ PUBLIC = {
     "text_file.h": "files",
     "volume_file.h": "volume_files",
     "mesh_file.h": "mesh_files",
+    "vtkIsoAtlas.h": "vtk_filter",
 }
 # Headers of libraries, and the modules that may include them.
 PRIVATE_LIBRARIES = {
@@ -47,7 +48,7 @@ PRIVATE_LIBRARIES = {
     r"(dcmtk|charls|openjpeg|nifti|tiff|png|openssl/)": {"volume_files"},
     r"pugixml": {"volume_files", "mesh_files"},
     r"(tiny_gltf|zip\.h)": {"mesh_files"},
-    r"vtk[A-Z]": {"mesh_files", "page", "picture"},
+    r"vtk[A-Z]": {"mesh_files", "page", "picture", "vtk_filter"},
     r"(expat|lzma|lz4)\.h": {"files"},
     r"X11/": {"picture"},
     r"meshoptimizer": {"page"},

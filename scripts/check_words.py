@@ -146,6 +146,7 @@ EXCEPTIONS = [
     ("web/src/", r"\.(divideScalar|lookAt)\(", "functions of three.js"),
     ("web/src/shaders.ts", r"rim light", "a light from behind, in photography"),
     ("python/src/", r"\.is_none\(\)", "a function of pybind11"),
+    ("", r"vtkStreamingDemandDrivenPipeline", "a class of VTK"),
     ("tests/unit/error/measure_test.cpp", r"/ rings, around", "two variables side by side"),
 ]
 

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Installs the missing Debian 12 packages for one purpose (default: build).
-#   scripts/install_dependencies.sh [build|package|python|docs|test|bench|fuzz]
+#   scripts/install_dependencies.sh [build|package|python|docs|test|hosts|bench|fuzz]
 #     build     the library, the tool and the HTML page
 #     package   build, and the Debian package
 #     python    build, and the Python module
 #     docs      only the documentation site
 #     test      all of the above, and the tests
+#     hosts     test, and ParaView and what napari's window needs, for the tests of hosts
 #     bench     test, and the benchmarks
 #     fuzz      only the core library with clang, and the fuzzers
 set -euo pipefail
@@ -27,6 +28,9 @@ test=("${python[@]}" "${package[@]}" "${docs[@]}" debootstrap fish pkg-config zs
   clang-14 libc++-14-dev libc++abi-14-dev clang-format
   python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage python3-tifffile
   python3-tqdm python3-vtk9 mypy valgrind)
+hosts=("${test[@]}" paraview libegl1 libgl1 libxkbcommon-x11-0 libdbus-1-3 libxcb-icccm4
+  libxcb-image0 libxcb-keysyms1 libxcb-randr0 libxcb-render-util0 libxcb-shape0 libxcb-xinerama0
+  libxcb-cursor0)
 bench=("${test[@]}" python3-matplotlib)
 fuzz=(clang libclang-rt-dev unzip cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
@@ -36,9 +40,10 @@ case "${1:-build}" in
   python) wanted=("${python[@]}") ;;
   docs) wanted=("${docs[@]}") ;;
   test) wanted=("${test[@]}") ;;
+  hosts) wanted=("${hosts[@]}") ;;
   bench) wanted=("${bench[@]}") ;;
   fuzz) wanted=("${fuzz[@]}") ;;
-  *) echo "usage: $0 [build|package|python|docs|test|bench|fuzz]" >&2; exit 2 ;;
+  *) echo "usage: $0 [build|package|python|docs|test|hosts|bench|fuzz]" >&2; exit 2 ;;
 esac
 
 missing=()
@@ -46,11 +51,20 @@ for package in "${wanted[@]}"; do
   state=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$state" = installed ] || missing+=("$package")
 done
-[ ${#missing[@]} -eq 0 ] && exit 0
+if [ ${#missing[@]} -gt 0 ]; then
+  as_root=()
+  if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
+  echo "installing: ${missing[*]}"
+  "${as_root[@]}" apt-get update -qq
+  DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends \
+    "${missing[@]}" > /dev/null
+fi
 
-as_root=()
-if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
-echo "installing: ${missing[*]}"
-"${as_root[@]}" apt-get update -qq
-DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends \
-  "${missing[@]}" > /dev/null
+# Debian's package of ParaView's Python modules conflicts with that of VTK's, which other tests
+# need. So it is unpacked into the build folder, not installed.
+modules=$(dirname "$0")/../build/hosts/paraview
+if [ "${1:-build}" = hosts ] && [ ! -d "$modules/usr/lib/python3/dist-packages/paraview" ]; then
+  mkdir -p "$modules"
+  (cd "$modules" && apt-get download -qq python3-paraview)
+  dpkg -x "$modules"/python3-paraview_*.deb "$modules"
+fi

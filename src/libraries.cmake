@@ -36,3 +36,21 @@ if(ISOATLAS_BUILD_IO)
     add_library(isoatlas::io ALIAS isoatlas_io_static)
   endif()
 endif()
+
+if(ISOATLAS_BUILD_VTK_FILTER)
+  set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
+  find_package(VTK 9.1 REQUIRED
+    COMPONENTS CommonCore CommonDataModel CommonExecutionModel CommonMath)
+  unset(CMAKE_MESSAGE_LOG_LEVEL)
+  set(kind STATIC)
+  if(TARGET isoatlas_shared)
+    set(kind SHARED)
+  endif()
+  set(vtk_modules VTK::CommonCore VTK::CommonDataModel VTK::CommonExecutionModel VTK::CommonMath)
+  isoatlas_library(isoatlas_vtk ${kind} OUTPUT isoatlas_vtk MODULES vtk_filter)
+  target_link_libraries(isoatlas_vtk PUBLIC isoatlas::isoatlas ${vtk_modules})
+  # A program that uses only the filter does not link the core itself: the filter's library finds it
+  # next to itself.
+  set_target_properties(isoatlas_vtk PROPERTIES EXPORT_NAME vtk INSTALL_RPATH "$ORIGIN")
+  add_library(isoatlas::vtk ALIAS isoatlas_vtk)
+endif()

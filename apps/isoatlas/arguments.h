@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -33,6 +34,10 @@ struct ExtractArguments : ExtractSettings {
   bool strict = false;         ///< write nothing if the exit status would be kUnsatisfied
   std::string command;         ///< the whole command line, quoted for a shell
   bool quiet = false, verbose = false;
+  /// Mesh the samples with this value of a label map, instead of an isosurface.
+  std::optional<std::int64_t> label;
+  /// Write numbers about the finest level to this file, for 3D Slicer.
+  std::optional<std::filesystem::path> returned_values;
 };
 
 struct InfoArguments {

@@ -119,7 +119,7 @@ MeasuredDistance measure_distance(const CheckArguments& arguments, TriangleMesh 
   report.options = arguments.measure;
   report.options.space = space_of(arguments);
   const VolumeFile file = read_volume_input(*arguments.volume, arguments.read);
-  print_warnings(*arguments.volume, file.source);
+  print_warnings(std::cerr, *arguments.volume, file.source);
   const Volume& volume = file.volume;
   // Sample indices have no unit, even if the file states one.
   if (report.options.space != Space::voxel)

@@ -3,12 +3,24 @@
 // as one line.
 #pragma once
 
+#include <iosfwd>
+
 #include "arguments.h"
 #include "interruption.h"
+#include "progress_display.h"
 
 namespace isoatlas::detail::tool {
 
+/// Where a run shows its progress, and the stream for warnings and violated bounds.
+struct RunConsole {
+  ProgressDisplay& progress;
+  std::ostream& messages;
+};
+
 int run_extract(const ExtractArguments& arguments, Interruption& interruption);
+/// run_extract() with another console than the terminal.
+int run_extract(const ExtractArguments& arguments, Interruption& interruption,
+                const RunConsole& console);
 int run_info(const InfoArguments& arguments);
 int run_check(const CheckArguments& arguments, Interruption& interruption);
 int run_levels(const LevelsArguments& arguments);

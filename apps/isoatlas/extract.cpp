@@ -15,10 +15,12 @@
 #include "extract_summary.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
+#include "label_mask.h"
 #include "outputs/stated_rounding.h"
 #include "page/page.h"
 #include "progress_bar.h"
 #include "report/report.h"
+#include "slicer_results.h"
 #include "text.h"
 #include "volume_input.h"
 #include "wording/supersampling.h"
@@ -38,18 +40,19 @@ class Stopwatch {
 };
 
 /// Warns if supersampling is possible but takes much memory.
-void warn_of_memory(std::uint64_t bytes, std::uint32_t factor) {
+void warn_of_memory(std::ostream& out, std::uint64_t bytes, std::uint32_t factor) {
   constexpr std::uint64_t kMuch = std::uint64_t{4} << 30;
   if (bytes < kMuch) return;
-  std::cerr << "isoatlas: warning: --supersample " << factor << " takes about "
-            << bytes_text(static_cast<double>(bytes)) << " of memory\n";
+  out << "isoatlas: warning: --supersample " << factor << " takes about "
+      << bytes_text(static_cast<double>(bytes)) << " of memory\n";
 }
 
 /// Runs the extraction. Errors of the library get the name of the volume as prefix.
 Extraction extract_from(const fs::path& path, const VolumeView& volume,
-                        const ExtractOptions& options, const RunControl& control) {
+                        const ExtractOptions& options, const RunControl& control,
+                        std::ostream& messages) {
   try {
-    warn_of_memory(require_memory_for_supersampling(volume, options, 0, control),
+    warn_of_memory(messages, require_memory_for_supersampling(volume, options, 0, control),
                    options.supersample);
     return extract(volume, options, control);
   } catch (const Error& error) {
@@ -66,6 +69,18 @@ ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& g
   }
 }
 
+/// Replaces the volume by the mask of arguments.label, and the isovalue by that of the mask's
+/// surface.
+void mesh_label(const ExtractArguments& arguments, Volume& volume, ExtractOptions& options) {
+  try {
+    volume = label_mask(volume, *arguments.label);
+  } catch (const Error& error) {
+    throw error.with_prefix(volume_name(arguments.volume.path) + ": ");
+  }
+  options.surface.isovalue = 0.5;
+  options.surface.inside = Inside::above;
+}
+
 /// Data that was already sent to standard output cannot be withdrawn.
 int interrupted_while_sending(const Interruption& interruption) {
   std::cerr << "isoatlas: interrupted; standard output is incomplete, no file was written"
@@ -76,11 +91,17 @@ int interrupted_while_sending(const Interruption& interruption) {
 }  // namespace
 
 int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
+  ProgressBar progress(!arguments.quiet);
+  return run_extract(arguments, interruption, {progress, std::cerr});
+}
+
+int run_extract(const ExtractArguments& arguments, Interruption& interruption,
+                const RunConsole& console) {
+  ProgressDisplay& progress = console.progress;
   if (arguments.page) require_pages();
   const std::size_t planned = arguments.options.levels;
   ExtractOutputs outputs(arguments, planned > 0 ? planned : 1 + arguments.goals.refine.size());
 
-  ProgressBar progress(!arguments.quiet);
   const Interruption::Cleanup clean_up(interruption, [&] {
     progress.erase();
     outputs.discard();
@@ -97,16 +118,18 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   const Stopwatch reading;
   VolumeFile file = read_volume_input(arguments.volume.path, arguments.volume.read);
   if (!file.source.warnings.empty()) progress.clear_line();
-  print_warnings(arguments.volume.path, file.source);
+  print_warnings(console.messages, arguments.volume.path, file.source);
   Volume volume = std::move(file.volume);
   context.read_seconds = reading.seconds();
   context.volume = {arguments.volume.path.string(), std::move(file.source), "", volume.view.grid,
                     volume.view.type};
   if (arguments.report || arguments.page) context.volume.sample_digest = sample_digest(volume);
   context.options = options_in_world(arguments, volume.view.grid);
+  if (arguments.label) mesh_label(arguments, volume, context.options);
   const ExtractOptions& options = context.options;
 
-  Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
+  Extraction extraction =
+      extract_from(arguments.volume.path, volume, options, control, console.messages);
   ExtractReport& report = extraction.report;
   std::optional<MeshQuality> marching_cubes;  // shown on the page for comparison
   if (arguments.page) {
@@ -131,8 +154,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.peak_memory_bytes = peak_memory_bytes();
   if (arguments.strict) {
     progress.clear_line();
-    if (!print_violations(report, context)) {
-      std::cerr << "isoatlas: nothing was written, because of --strict\n";
+    if (!print_violations(console.messages, report, context)) {
+      console.messages << "isoatlas: nothing was written, because of --strict\n";
       return kUnsatisfied;
     }
   }
@@ -145,8 +168,10 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
                                             std::move(extraction.hierarchy), marching_cubes);
     outputs.write_text(*arguments.page, page_html({&entry, 1}, *arguments.page));
   }
+  if (arguments.returned_values)
+    outputs.write_text(*arguments.returned_values, slicer_result_file(report, grid.unit));
   const bool is_complete = outputs.commit(interruption);
-  progress.erase();
+  is_complete ? progress.finish() : progress.erase();
   if (!is_complete) return interrupted_while_sending(interruption);
 
   std::ostream& out = outputs.uses_standard_output() ? std::cerr : std::cout;
@@ -156,8 +181,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
     print_summary(out, report, context, outputs.names(bytes));
   }
   if (arguments.verbose) print_details(out, report, context);
-  print_rounding(context);
-  return print_violations(report, context) ? kSuccess : kUnsatisfied;
+  print_rounding(console.messages, context);
+  return print_violations(console.messages, report, context) ? kSuccess : kUnsatisfied;
 }
 
 }  // namespace isoatlas::detail::tool

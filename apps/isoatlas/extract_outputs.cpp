@@ -42,6 +42,7 @@ std::vector<MeshOutputs::Other> others_of(const ExtractArguments& arguments) {
   std::vector<MeshOutputs::Other> others;
   if (arguments.report) others.push_back({*arguments.report, "report"});
   if (arguments.page) others.push_back({*arguments.page, "page"});
+  if (arguments.returned_values) others.push_back({*arguments.returned_values, "returned values"});
   return others;
 }
 

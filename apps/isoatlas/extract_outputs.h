@@ -53,7 +53,7 @@ class ExtractOutputs {
   std::optional<std::filesystem::path> stream_text_name_;
   std::string stream_text_;
   MeshOutputs meshes_;
-  std::vector<MeshOutputs::Other> others_;  ///< report and page
+  std::vector<MeshOutputs::Other> others_;  ///< report, page and returned values
   OutputFiles files_;
 };
 

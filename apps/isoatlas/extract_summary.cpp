@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
+#include <ostream>
 
 #include "extent_text.h"
 #include "outputs/stated_rounding.h"
@@ -264,12 +264,13 @@ void print_details(std::ostream& out, const ExtractReport& report, const ReportC
       << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
 }
 
-bool print_violations(const ExtractReport& report, const ReportContext& context) {
+bool print_violations(std::ostream& out, const ExtractReport& report,
+                      const ReportContext& context) {
   const LengthUnit unit = context.volume.grid.unit;
   bool is_sound = true;
   const auto print_violation = [&](const std::string& text) {
     is_sound = false;
-    std::cerr << one_line("isoatlas: " + text) << "\n";
+    out << one_line("isoatlas: " + text) << "\n";
   };
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     const LevelReport& level = report.levels[k];
@@ -301,32 +302,31 @@ bool print_violations(const ExtractReport& report, const ReportContext& context)
     for (const ConstraintResult& result : report.levels[k].constraints) {
       if (result.satisfied || result.constraint.is_default) continue;
       const Quantity quantity = result.constraint.quantity;
-      std::cerr << one_line("isoatlas: " + level_name(k) + ": " + std::string(name(quantity)) +
-                            " " + bound_text(quantity, result.constraint.bound, unit) +
-                            ": reached " + bound_text(quantity, result.reached, unit) +
-                            (result.reason.empty() ? "" : ": " + result.reason))
-                << "\n";
+      out << one_line("isoatlas: " + level_name(k) + ": " + std::string(name(quantity)) + " " +
+                      bound_text(quantity, result.constraint.bound, unit) + ": reached " +
+                      bound_text(quantity, result.reached, unit) +
+                      (result.reason.empty() ? "" : ": " + result.reason))
+          << "\n";
     }
   }
   return is_sound && std::all_of(report.levels.begin(), report.levels.end(),
                                  [](const LevelReport& level) { return level.all_satisfied(); });
 }
 
-void print_rounding(const ReportContext& context) {
+void print_rounding(std::ostream& out, const ReportContext& context) {
   const Grid& grid = context.volume.grid;
   const Space space = context.options.space;
   for (const ReportFile& file : context.files) {
     const double rounding = rounding_in_world(file.largest_rounding, grid, space);
     if (!is_noticeable(rounding, grid)) continue;
     const std::string name = file.path == "-" ? "standard output" : file.path;
-    std::cerr << one_line("isoatlas: " + name +
-                          ": its float32 coordinates move vertices by up to " +
-                          with_unit(rounding, grid.unit) +
-                          "; the stated error includes this; .ply, .obj and .vtp keep all digits" +
-                          (space == Space::voxel
-                               ? ""
-                               : ", and --space voxel gives coordinates near the origin"))
-              << "\n";
+    out << one_line("isoatlas: " + name + ": its float32 coordinates move vertices by up to " +
+                    with_unit(rounding, grid.unit) +
+                    "; the stated error includes this; .ply, .obj and .vtp keep all digits" +
+                    (space == Space::voxel
+                         ? ""
+                         : ", and --space voxel gives coordinates near the origin"))
+        << "\n";
     return;
   }
 }

@@ -227,7 +227,7 @@ int run_info(const InfoArguments& arguments) {
   } catch (const ChoiceNeeded& needed) {
     return list_choices(arguments, needed);
   }
-  print_warnings(arguments.volume.path, file->source);
+  print_warnings(std::cerr, arguments.volume.path, file->source);
   return describe(arguments, *file);
 }
 

@@ -31,3 +31,9 @@ add_custom_target(isoatlas_printed ALL DEPENDS ${pages} ${files})
 
 install(TARGETS isoatlas_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime)
+
+set(module_folder ${CMAKE_INSTALL_LIBDIR}/isoatlas/slicer)
+file(RELATIVE_PATH tool_from_module /${module_folder} /${CMAKE_INSTALL_BINDIR}/isoatlas)
+isoatlas_slicer_module(${CMAKE_CURRENT_BINARY_DIR}/slicer/IsoAtlas ${tool_from_module})
+install(PROGRAMS ${CMAKE_CURRENT_BINARY_DIR}/slicer/IsoAtlas
+  DESTINATION ${module_folder} COMPONENT runtime)

@@ -80,7 +80,7 @@ void ProgressBar::clear_line() {
 }
 
 void ProgressBar::erase() {
-  clear_line();
+  ProgressBar::clear_line();
   const std::lock_guard lock(mutex_);
   active_ = false;
   erased_.notify_all();

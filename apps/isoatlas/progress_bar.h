@@ -9,22 +9,23 @@
 #include <string_view>
 #include <thread>
 
+#include "progress_display.h"
+
 namespace isoatlas::detail::tool {
 
 /// A line on standard error that shows the progress and is erased at the end. Silent unless
 /// standard error is a terminal.
-class ProgressBar {
+class ProgressBar : public ProgressDisplay {
  public:
   explicit ProgressBar(bool wanted);
-  ~ProgressBar() { erase(); }
+  ~ProgressBar() override { ProgressBar::erase(); }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Shows the stage and the `fraction` of the whole in [0, 1]; none: it is unknown. The line is
-  /// also redrawn between calls, to update the time.
-  void show(std::string_view stage, std::optional<double> fraction);
-  void clear_line();  ///< clears the line, so that a message can be printed
-  void erase();       ///< erases the line; nothing is drawn afterwards
+  /// The line is also redrawn between calls, to update the time.
+  void show(std::string_view stage, std::optional<double> fraction) override;
+  void clear_line() override;
+  void erase() override;
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -19,6 +19,7 @@
 #include "file_kinds.h"
 #include "interruption.h"
 #include "isoatlas/error.h"
+#include "slicer_module.h"
 #include "text.h"
 #include "typing_help.h"
 
@@ -115,6 +116,11 @@ int run(const std::function<int()>& command, Interruption& interruption,
 
 int run_tool(int argc, char** argv) {
   Interruption interruption;
+  if (const std::vector<std::string> typed(argv + 1, argv + argc);
+      !typed.empty() && (typed[0] == kSlicerModule || typed[0] == "--xml")) {
+    const auto words = std::vector(typed.begin() + (typed[0] == kSlicerModule), typed.end());
+    return run([&] { return run_slicer_module(words, interruption); }, interruption, {});
+  }
   CLI::App app;
   describe_tool(app);
   ExtractArguments extract_arguments;

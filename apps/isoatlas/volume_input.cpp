@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "volume_input.h"
 
-#include <iostream>
+#include <ostream>
 
 #include "isoatlas/error.h"
 #include "text.h"
@@ -23,9 +23,10 @@ std::string volume_name(const std::filesystem::path& path) {
   return path == "-" ? "standard input" : path.string();
 }
 
-void print_warnings(const std::filesystem::path& path, const VolumeSource& source) {
+void print_warnings(std::ostream& out, const std::filesystem::path& path,
+                    const VolumeSource& source) {
   for (const std::string& warning : source.warnings)
-    std::cerr << one_line("isoatlas: warning: " + volume_name(path) + ": " + warning) << "\n";
+    out << one_line("isoatlas: warning: " + volume_name(path) + ": " + warning) << "\n";
 }
 
 std::string choice_text(const FileChoice& choice) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 
 #include "isoatlas/volume_file.h"
@@ -15,8 +16,9 @@ VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOption
 /// The name of the volume in messages: its path, or "standard input" for "-".
 std::string volume_name(const std::filesystem::path& path);
 
-/// Prints the warnings of the reader on standard error, one line each.
-void print_warnings(const std::filesystem::path& path, const VolumeSource& source);
+/// Prints the warnings of the reader, one line each.
+void print_warnings(std::ostream& out, const std::filesystem::path& path,
+                    const VolumeSource& source);
 
 /// "1 (GFP) of 3": the entry that was read, or the number of entries if none was read.
 std::string choice_text(const FileChoice& choice);

@@ -12,6 +12,7 @@ triangle mesh, and `marching_cubes` replaces the function of scikit-image. See d
 
 from __future__ import annotations
 
+from . import _own_libraries  # isort: skip  # loads _core, so it comes first
 from ._check import check
 from ._core import VolumeSource, __version__
 from ._extract import extract

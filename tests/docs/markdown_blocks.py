@@ -102,6 +102,14 @@ CPP_NAMES = {
     samples.push_back(static_cast<float>(310 - std::hypot(0.8 * (i % nx) - 14,
         0.8 * (i / nx % ny) - 12, 1.5 * (i / (nx * ny)) - 14)));
 """,
+    "docs/hosts/vtk.md": r"""
+  vtkNew<vtkImageData> ct;
+  ct->SetDimensions(20, 20, 20);
+  ct->AllocateScalars(VTK_FLOAT, 1);
+  for (int i = 0; i < 8000; ++i)
+    static_cast<float*>(ct->GetScalarPointer())[i] = static_cast<float>(
+        306 - std::hypot(i % 20 - 9.4, i / 20 % 20 - 9.6, i / 400 - 9.1));
+""",
 }
 
 

@@ -114,6 +114,25 @@ int main(int, char** argv) {
         self.assertEqual(run(main, ROOT / "samples/protein_iron.nhdr", self.top / "mesh.ply"),
                          "8\n{\n1\n")
 
+    def test_component_vtk(self):
+        if not list(self.prefix.rglob("libisoatlas_vtk.so")):
+            self.skipTest("built without ISOATLAS_BUILD_VTK_FILTER")
+        build = self.top / "vtk_filter"
+        run(CMAKE, "-S", ROOT / "examples/vtk_filter", "-B", build,
+            f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={CXX}")
+        run(CMAKE, "--build", build)
+        self.assertRegex(run(build / "vtk_filter"),
+                         r"^level 0: .*\nlevel 1: .*\nlevel 2: \d+ triangles, 9 components\n$")
+
+    def test_slicer_module(self):
+        """The script finds the tool of its own installation."""
+        modules = list(self.prefix.rglob("isoatlas/slicer/IsoAtlas"))
+        if not modules:
+            self.skipTest("built without ISOATLAS_BUILD_TOOL")
+        self.assertEqual(len(list(modules[0].parent.iterdir())), 1)  # Slicer runs all programs
+        without_path = {**self.environment(), "PATH": "/usr/bin:/bin"}
+        self.assertTrue(run(modules[0], "--xml", env=without_path).startswith("<?xml"))
+
     def test_unknown_component_is_refused(self):
         folder = self.top / "unknown"
         folder.mkdir()
