@@ -21,12 +21,12 @@ package=("${build[@]}" dpkg-dev file)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools
   python3-venv python3-wheel)
 docs=(doxygen python3-sphinx python3-myst-parser furo python3-breathe python3-sphinx-copybutton
-  python3-sphinx-inline-tabs)
+  python3-sphinx-inline-tabs python3-nbclient python3-ipykernel)
 test=("${python[@]}" "${package[@]}" "${docs[@]}" debootstrap fish pkg-config zsh lib3mf-dev
   libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium
   clang-14 libc++-14-dev libc++abi-14-dev clang-format
-  python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage python3-tifffile
-  python3-tqdm python3-vtk9 mypy valgrind)
+  python3-joblib python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage
+  python3-tifffile python3-tqdm python3-vtk9 mypy valgrind)
 bench=("${test[@]}" python3-matplotlib)
 fuzz=(clang libclang-rt-dev unzip cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
