@@ -98,9 +98,13 @@ def for_notebook(
 
 
 def _frame(page: str) -> str:
-    """The page inside another page. It can run its script, but has no access to the other page."""
+    """The page inside another page. It can run its script, but has no access to the other page.
+
+    The text is ASCII, so that it does not depend on the encoding of the other page.
+    """
+    source = html.escape(page).encode("ascii", "xmlcharrefreplace").decode()
     return (
-        f'<iframe srcdoc="{html.escape(page)}" title="isoatlas" width="100%" height="600" '
+        f'<iframe srcdoc="{source}" title="isoatlas" width="100%" height="600" '
         'frameborder="0" sandbox="allow-scripts allow-downloads allow-popups" '
         'allow="fullscreen; clipboard-write" loading="lazy"></iframe>'
     )

@@ -146,6 +146,7 @@ def test_show_in_a_notebook(monkeypatch):
 def test_notebooks_show_the_page_in_a_frame():
     output = MESH._repr_html_()
     assert len(output) < 5_000_000 and "&lt;isoatlas.Mesh: " in output
+    assert output.isascii() and not MESH.to_html().isascii()
     assert page_in(output) == MESH.to_html()
     frame = output[output.index("<iframe") :]
     assert "allow-scripts" in frame and "allow-same-origin" not in frame
