@@ -42,6 +42,9 @@ def test_components_are_sorted_by_area():
         assert (component.bounds[0] <= vertex).all() and (vertex <= component.bounds[1]).all()
     assert repr(large).startswith(f"<isoatlas.Component: {large.triangles} triangles, genus 0, clo")
     assert mesh.levels[0].volume != mesh.volume
+    for array in (TWO, TWO[::-1]):  # the small one has the first vertex of one of them
+        one, two = isoatlas.extract(array.copy(), 0.0).components
+        assert one.area > two.area and {0} < {one.first_vertex, two.first_vertex}
 
 
 def test_a_cavity_has_a_negative_volume():
