@@ -33,6 +33,13 @@ def pybind11_arguments():
     return [f"-Dpybind11_DIR={pybind11.get_cmake_dir()}"]
 
 
+def copy_samples(folder):
+    """The volumes of isoatlas.examples."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("LICENSE-samples.txt", "embryo.nrrd", "protein_iron.nhdr", "protein_iron.raw"):
+        shutil.copy2(ROOT / "samples" / name, folder / name)
+
+
 class CMakeBuild(build_ext):
     def build_extension(self, extension):
         folder = pathlib.Path(self.build_temp).resolve()
@@ -50,6 +57,7 @@ class CMakeBuild(build_ext):
         subprocess.run(build, check=True)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(folder / "python" / "isoatlas" / target.name, target)
+        copy_samples(target.parent / "samples")
 
 
 setup(

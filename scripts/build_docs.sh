@@ -41,11 +41,21 @@ elif ! message=$(PYTHONPATH="$module" "$python" -c 'import isoatlas' 2>&1); then
   exit 1
 fi
 
+# The notebook with its 3-D pages; without nbclient or the module, with the output that it keeps.
+notebooks=
+if [ "$with_python" = yes ] && "$python" -c 'import nbclient, ipykernel' 2> /dev/null; then
+  mkdir -p "$out/notebooks"
+  notebooks=$(cd "$out/notebooks" && pwd)
+  PYTHONPATH=$(cd "$module" && pwd) PYTHONDONTWRITEBYTECODE=1 \
+    "$python" scripts/run_notebooks.py --out "$notebooks"
+fi
+
 mkdir -p "$out/doxygen"
 out=$(cd "$out" && pwd)
 { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = \"$out/doxygen\""; } | doxygen -
 "$python" scripts/check_links.py
 PYTHONPATH="$module" PYTHONDONTWRITEBYTECODE=1 ISOATLAS_DOXYGEN_XML="$out/doxygen/xml" \
+  ISOATLAS_NOTEBOOKS="$notebooks" \
   "$python" -m sphinx -q -E -a -W --keep-going -n -b html -d "$out/doctrees" \
   ${options[@]+"${options[@]}"} docs "$out/html"
 "$python" scripts/check_links.py --html "$out/html"

@@ -22,12 +22,12 @@ package=("${build[@]}" dpkg-dev file)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools
   python3-venv python3-wheel)
 docs=(doxygen python3-sphinx python3-myst-parser furo python3-breathe python3-sphinx-copybutton
-  python3-sphinx-inline-tabs)
+  python3-sphinx-inline-tabs python3-nbclient python3-ipykernel)
 test=("${python[@]}" "${package[@]}" "${docs[@]}" debootstrap fish pkg-config zsh lib3mf-dev
   libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium
   clang-14 libc++-14-dev libc++abi-14-dev clang-format
-  python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage python3-tifffile
-  python3-tqdm python3-vtk9 mypy valgrind)
+  python3-joblib python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage
+  python3-tifffile python3-tqdm python3-vtk9 mypy valgrind)
 hosts=("${test[@]}" paraview libegl1 libgl1 libxkbcommon-x11-0 libdbus-1-3 libxcb-icccm4
   libxcb-image0 libxcb-keysyms1 libxcb-randr0 libxcb-render-util0 libxcb-shape0 libxcb-xinerama0
   libxcb-cursor0)

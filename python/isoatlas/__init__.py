@@ -7,19 +7,23 @@
     >>> mesh.save("bone.ply")
 
 `extract` meshes an array or a `Volume`, `read` reads volumes and meshes, `check` validates any
-triangle mesh, and `marching_cubes` replaces the function of scikit-image. See docs/python.md.
+triangle mesh, and `marching_cubes` replaces the function of scikit-image. ``mesh.show()`` shows a
+mesh in 3-D. `isoatlas.examples` has volumes to try. See docs/python.md.
 """
 
 from __future__ import annotations
 
+import sys as _sys
+
 from . import _own_libraries  # isort: skip  # loads _core, so it comes first
+from . import examples
 from ._check import check
 from ._core import VolumeSource, __version__
 from ._extract import extract
 from ._marching_cubes import marching_cubes
-from ._mesh import Level, Mesh
+from ._mesh import Component, Level, Mesh
 from ._read import read, read_mesh, read_volume
-from ._volume import Volume
+from ._volume import XYZ, Volume
 from .errors import (
     BadArgumentError,
     BadFileError,
@@ -34,6 +38,7 @@ from .errors import (
 __all__ = [
     "BadArgumentError",
     "BadFileError",
+    "Component",
     "EmptySurfaceError",
     "Error",
     "FileWarning",
@@ -44,11 +49,18 @@ __all__ = [
     "UnsupportedError",
     "Volume",
     "VolumeSource",
+    "XYZ",
     "__version__",
     "check",
+    "examples",
     "extract",
     "marching_cubes",
     "read",
     "read_mesh",
     "read_volume",
 ]
+
+# Adds `grid.isoatlas` to PyVista's ImageData. If PyVista is imported later, PyVista 0.48 and later
+# finds it by itself; with earlier versions, import isoatlas.pyvista.
+if hasattr(_sys.modules.get("pyvista"), "ImageData"):
+    from . import pyvista as _pyvista  # noqa: F401

@@ -2,8 +2,9 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Literal, Sequence
+from typing import Any, Literal, Protocol, Sequence
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _core
@@ -12,12 +13,21 @@ from ._extract import Side
 from ._progress import ProgressLike, progress_callback
 from ._volume import Order, Volume, core_volume
 from ._words import Number, isovalue, word, words
-from .errors import BadArgumentError
+from .errors import BadArgumentError, UnsupportedError
+
+
+class TriangleMesh(Protocol):
+    """What `check` accepts as a mesh: a `Mesh`, a `Level`, a ``trimesh.Trimesh``."""
+
+    @property
+    def vertices(self) -> Any: ...
+    @property
+    def faces(self) -> Any: ...
 
 
 def check(
-    vertices: npt.ArrayLike,
-    faces: npt.ArrayLike,
+    mesh: TriangleMesh | npt.ArrayLike,
+    faces: npt.ArrayLike | None = None,
     *,
     self_intersections: bool = False,
     volume: npt.ArrayLike | Volume | None = None,
@@ -39,10 +49,10 @@ def check(
 
     Parameters
     ----------
-    vertices : (V, 3) array of float
-        Positions, all finite.
-    faces : (F, 3) array of int
-        Indices of vertices.
+    mesh : Mesh, Level, trimesh.Trimesh, pyvista.PolyData, or (V, 3) array of float
+        The mesh, or the positions of its vertices, all finite.
+    faces : (F, 3) array of int, optional
+        Indices of vertices; only with an array of positions.
     self_intersections : bool
         Also find all pairs of triangles that intersect. The test is exact.
     volume : (M, N, P) array or Volume, optional
@@ -63,6 +73,10 @@ def check(
         The JSON that ``isoatlas check --json`` prints, see ``isoatlas-check-1`` in
         docs/reference/report.md. ``path`` is None.
 
+    Examples
+    --------
+    ``check(mesh)["manifold"]``, ``check(vertices, faces, self_intersections=True)``
+
     Raises
     ------
     BadArgumentError
@@ -71,8 +85,9 @@ def check(
     UnsupportedError, EmptySurfaceError, KeyboardInterrupt
         As for `extract`.
     """
+    vertices, corners = _arrays_of(mesh, faces)
     positions = as_vertices(vertices)
-    triangles = as_faces(faces, len(positions))
+    triangles = as_faces(corners, len(positions))
     if (volume is None) != (iso is None):
         raise BadArgumentError("volume and iso: expected both or none of them")
     core = None
@@ -97,3 +112,30 @@ def check(
         )
     report: dict[str, Any] = json.loads(text)
     return report
+
+
+def _arrays_of(mesh: Any, faces: Any) -> tuple[Any, Any]:
+    """Vertices and faces.
+
+    Raises
+    ------
+    TypeError
+        Faces with a mesh, which has its own; or an array without faces.
+    UnsupportedError
+        A PolyData with other faces than triangles.
+    """
+    if faces is None and hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        return mesh.vertices, mesh.faces
+    if faces is None and hasattr(mesh, "points") and hasattr(mesh, "is_all_triangles"):
+        if not mesh.is_all_triangles:
+            raise UnsupportedError(
+                "mesh: expected a PolyData of triangles, got other faces: use mesh.triangulate()"
+            )
+        return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
+    if hasattr(mesh, "faces"):
+        raise TypeError("faces: the mesh has its own, expected them with an array of vertices only")
+    if faces is None:
+        raise TypeError(
+            f"mesh: expected a mesh, or an array of vertices and faces, got {type(mesh).__name__}"
+        )
+    return mesh, faces

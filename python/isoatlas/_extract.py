@@ -8,7 +8,7 @@ import numpy.typing as npt
 from . import _core
 from ._mesh import Mesh
 from ._progress import ProgressLike, progress_callback
-from ._volume import Order, Volume, core_volume
+from ._volume import Order, Volume, core_volume, states_order
 from ._words import Length, Number, Refine, isovalue, words
 from ._words import levels as level_words
 
@@ -86,11 +86,13 @@ def extract(
         identity.
     order : {"ijk", "xyz"}, optional
         Order of the coordinates in ``spacing``, ``origin``, ``direction`` and in the result.
-        ``"ijk"``, the default for arrays, is the order of the array's axes, as in scikit-image:
-        ``volume[i, j, k]`` is at ``origin + direction @ (spacing * (i, j, k))``. ``"xyz"`` is the
-        opposite order, for arrays indexed ``[z, y, x]``, such as those of SimpleITK's
-        ``GetArrayFromImage``: ``volume[z, y, x]`` is at
-        ``origin + direction @ (spacing * (x, y, z))``.
+        ``"ijk"`` is the order of the array's axes, as in scikit-image: ``volume[i, j, k]`` is at
+        ``origin + direction @ (spacing * (i, j, k))``. ``"xyz"`` is the opposite order, for arrays
+        indexed ``[z, y, x]``, such as those of SimpleITK's ``GetArrayFromImage``:
+        ``volume[z, y, x]`` is at ``origin + direction @ (spacing * (x, y, z))``. The spacing,
+        origin and direction of a `Volume` imply ``"xyz"``. Otherwise an order is required if the
+        geometry is not the same in both orders; without it, coordinates are in the order of the
+        array's axes, and ``Mesh.save`` warns.
     inside : {"above", "below"}
         Which samples are inside: those above or those below ``iso``. A sample equal to ``iso`` is
         always inside. Faces are counter-clockwise seen from outside.
@@ -122,11 +124,11 @@ def extract(
         with ``coarse`` or ``refine``.
     refine : str, dict, or list of these, optional
         Each entry adds one level, refined from the previous level until it satisfies the
-        constraints of the entry: ``"max-distance:0.5vx,normal-angle:20deg"`` or
-        ``{"max_distance": "0.5vx", "normal_angle": 20}``. Constraints are in the order of their
-        priority. Default: one level that satisfies the bounds below. If none of these bounds is a
-        metric, the level is within half a voxel of the surface (or within an eighth of the largest
-        spacing, if that is more).
+        constraints of the entry: ``{"max_distance": "0.5vx", "normal_angle": 20}``, with the names
+        of the arguments below, in the order of their priority. The text of ``--refine``,
+        ``"max_distance:0.5vx,normal_angle:20deg"``, is accepted as well. Default: one level that
+        satisfies the bounds below. If none of these bounds is a metric, the level is within half a
+        voxel of the surface (or within an eighth of the largest spacing, if that is more).
     max_distance, mean_distance : float or str, optional
         Upper bounds of the largest two-sided distance and of the mean distance between mesh and
         surface: lengths. This bound and the following ones, up to ``min_aspect``, apply to all
@@ -178,13 +180,13 @@ def extract(
     Returns
     -------
     Mesh
-        ``vertices`` (V, 3) float64 and ``faces`` (F, 3) uint32 of the finest level; ``levels``,
+        ``vertices`` (V, 3) float64 and ``faces`` (F, 3) int64 of the finest level; ``levels``,
         from coarse to fine; and ``report``. A violated bound is not an error: see ``Mesh.unmet``.
 
     Raises
     ------
     BadArgumentError
-        A ``ValueError``: an argument is out of its domain.
+        A ``ValueError``: an argument is out of its domain, or ``order`` is required.
     UnsupportedError
         A ``ValueError``: NaN or infinite samples without ``nan``, complex samples, an array that is
         not 3-D, or values that float64 cannot hold (``longdouble``).
@@ -248,4 +250,5 @@ def extract(
         bool(allow_self_intersections),
     )
     with progress_callback(progress) as callback:
-        return Mesh(_core.extract(core, request, callback))
+        core_levels = _core.extract(core, request, callback)
+    return Mesh(core_levels, states_order(volume, order, spacing, origin, direction))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from ._arrays import Array, as_samples, as_triple
 from ._extract import Side, extract
 from ._progress import ProgressLike
+from ._volume import XYZ
 from ._words import Length, Number, Refine
 from .errors import BadArgumentError
 
@@ -100,6 +101,11 @@ def marching_cubes(
     step = int(step_size)
     if step < 1:
         raise BadArgumentError(f"step_size: expected a whole number, 1 or more, got {step_size!r}")
+    if isinstance(spacing, XYZ):
+        raise BadArgumentError(
+            "spacing: it is that of a Volume, in the order x, y, z; "
+            "expected the order of the array's axes: spacing=volume.spacing[::-1]"
+        )
     array = as_samples(volume)[::step, ::step, ::step]
     world = as_triple(spacing, "spacing")
     if level is None:
@@ -115,6 +121,7 @@ def marching_cubes(
         array,
         level,
         spacing=steps,
+        order="ijk",
         max_distance=max_distance,
         refine=refine,
         coarse=coarse,
@@ -136,7 +143,7 @@ def marching_cubes(
 def _from_data(
     array: Array,
     vertices: npt.NDArray[np.float64],
-    faces: npt.NDArray[np.uint32],
+    faces: npt.NDArray[np.int64],
     spacing: npt.NDArray[np.float64],
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Unit normals against the gradient of the data, and the largest sample of the grid cell.
@@ -187,7 +194,7 @@ def _gradients(
 
 
 def _mesh_normals(
-    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]
+    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]
 ) -> npt.NDArray[np.float64]:
     """Unit normals of the vertices: means of the triangles' normals, weighted by area."""
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))

@@ -2,15 +2,18 @@
 from __future__ import annotations
 
 import functools
-import json
+import math
 import os
+import pathlib
 import warnings
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, _html
+from ._report import level_of, report_of
 from .errors import FileWarning
 
 if TYPE_CHECKING:
@@ -19,49 +22,164 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 
+@dataclass(frozen=True, eq=False)
+class Component:
+    """A connected piece of a mesh. Lengths are in the unit of the vertices.
+
+    Attributes
+    ----------
+    vertices, triangles : int
+        Their numbers.
+    genus, boundary_loops : int or None
+        The number of handles, each boundary loop counted as capped by a disk, and the number of
+        boundary loops. None if the mesh is not a consistently oriented manifold.
+    closed : bool
+        Whether it is a manifold without boundary.
+    area : float
+        Area of its triangles.
+    volume : float
+        The enclosed volume; negative if the triangles face inward, as around a cavity. NaN if the
+        component is not closed.
+    bounds : (2, 3) float64 array
+        The smallest and the largest coordinates.
+    first_vertex : int
+        The smallest index of its vertices.
+    """
+
+    vertices: int
+    triangles: int
+    genus: int | None
+    boundary_loops: int | None
+    closed: bool
+    area: float
+    volume: float
+    bounds: npt.NDArray[np.float64]
+    first_vertex: int
+
+    def __repr__(self) -> str:
+        if self.genus is None or self.boundary_loops is None:
+            topology = "not a manifold"
+        else:
+            loops = _counted(self.boundary_loops, "boundary loop")
+            topology = f"genus {self.genus}, " + ("closed" if self.closed else loops)
+        volume = "" if math.isnan(self.volume) else f", volume {self.volume:.6g}"
+        triangles = _counted(self.triangles, "triangle")
+        return f"<isoatlas.Component: {triangles}, {topology}, area {self.area:.6g}{volume}>"
+
+
 class Level:
-    """One level of detail of a `Mesh`.
+    """One level of detail of a `Mesh`. Its arrays are read-only.
 
     Attributes
     ----------
     number : int
         0 is the coarsest level.
-    vertices : (V, 3) float64 array, read-only
-        Positions in the unit of the volume's spacing. With ``placement="surface"``, the vertices of
-        the previous level come first, at the same indices.
-    faces : (F, 3) uint32 array, read-only
-        Indices of vertices, counter-clockwise seen from outside.
-    distance : (V,) float32 array, read-only, or None
-        Per vertex, the largest two-sided distance between the mesh and the isosurface in the
-        vertex's Voronoi cell, in the unit of the volume's spacing; ``max_distance`` bounds it. None
-        if it was not measured (``coarse=True``, files of other programs).
     report : dict
-        Data of the level, with the keys of ``levels[]`` in docs/reference/report.md. Empty if the
-        mesh was read from a file without them.
+        Data of the level, with the keys of ``levels[]`` in docs/reference/report.md; names of
+        metrics and constraints are those of the arguments (``max_distance``). Empty if the mesh was
+        read from a file without them.
     """
 
     def __init__(self, core: _core.Levels, number: int, report: dict[str, Any]) -> None:
+        """Private: use `Mesh.levels`."""
+        self._core = core
         self.number = number
-        self.vertices: npt.NDArray[np.float64] = core.vertices(number)
-        self.faces: npt.NDArray[np.uint32] = core.faces(number)
-        self.distance: npt.NDArray[np.float32] | None = core.distance(number)
         self.report = report
 
+    @functools.cached_property
+    def vertices(self) -> npt.NDArray[np.float64]:
+        """(V, 3) float64: positions in the unit of the volume's spacing.
+
+        With ``placement="surface"``, the vertices of the previous level come first, at the same
+        indices.
+        """
+        return self._core.vertices(self.number)
+
+    @functools.cached_property
+    def faces(self) -> npt.NDArray[np.int64]:
+        """(F, 3) int64: indices of vertices, counter-clockwise seen from outside.
+
+        trimesh, VTK and PyVista use an array of this type without a copy.
+        """
+        faces = self._core.faces(self.number).astype(np.int64)
+        faces.flags.writeable = False
+        return faces
+
+    @functools.cached_property
+    def distance(self) -> npt.NDArray[np.float32] | None:
+        """(V,) float32, or None if it was not measured (``coarse=True``, other programs' files).
+
+        Per vertex, the largest two-sided distance between the mesh and the isosurface in the
+        vertex's Voronoi cell, in the unit of the volume's spacing; ``max_distance`` bounds it.
+        """
+        return self._core.distance(self.number)
+
+    @functools.cached_property
+    def components(self) -> Sequence[Component]:
+        """The connected pieces, the one with the largest area first. O(F log F), once."""
+        return tuple(
+            Component(
+                vertices=vertices,
+                triangles=triangles,
+                genus=genus,
+                boundary_loops=loops,
+                closed=loops == 0,
+                area=area,
+                volume=volume,
+                bounds=np.array((low, high)),
+                first_vertex=first,
+            )
+            for first, vertices, triangles, genus, loops, area, volume, low, high in (
+                self._core.components(self.number)
+            )
+        )
+
+    @property
+    def closed(self) -> bool:
+        """Whether the level is a consistently oriented manifold without boundary."""
+        return len(self.components) > 0 and all(it.closed for it in self.components)
+
+    @property
+    def volume(self) -> float:
+        """The enclosed volume, without cavities: the sum over the components; NaN unless closed.
+
+        Where the volume boundary cuts the surface, the mesh is open and encloses nothing.
+        """
+        return math.fsum(it.volume for it in self.components)
+
+    @property
+    def area(self) -> float:
+        """The area of all triangles."""
+        return math.fsum(it.area for it in self.components)
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """(2, 3) float64: the smallest and the largest coordinates; NaN without triangles."""
+        boxes = np.array([component.bounds for component in self.components])
+        if not len(boxes):
+            return np.full((2, 3), np.nan)
+        return np.array((boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Level, (self._core, self.number, self.report)
+
     def __repr__(self) -> str:
-        return f"<isoatlas.Level {self.number}: {_size_text(self.vertices, self.faces)}>"
+        return f"<isoatlas.Level {self.number}: {_size_text(len(self.vertices), len(self.faces))}>"
 
 
 class Mesh:
     """Nested levels of triangle meshes: the result of `extract` and of `read`.
 
-    Arrays are read-only views, not copies, because levels share their vertices. Use
-    ``mesh.vertices.copy()`` to get an array that you can change. Arrays stay valid after the mesh
-    is deleted.
+    Arrays are read-only, because levels share their vertices. Use ``mesh.vertices.copy()`` to get
+    an array that you can change. Arrays stay valid after the mesh is deleted. A mesh can be pickled
+    and copied, for example to be returned by another process. In a notebook, a mesh as the last
+    line of a cell is shown in 3-D.
     """
 
-    def __init__(self, core: _core.Levels) -> None:
+    def __init__(self, core: _core.Levels, states_order: bool = True) -> None:
         """Private: use `extract` or `read`."""
         self._core = core
+        self._states_order = states_order
 
     @property
     def vertices(self) -> npt.NDArray[np.float64]:
@@ -69,12 +187,40 @@ class Mesh:
         return self.levels[-1].vertices
 
     @property
-    def faces(self) -> npt.NDArray[np.uint32]:
-        """Faces of the finest level: (F, 3) uint32, read-only.
+    def faces(self) -> npt.NDArray[np.int64]:
+        """Faces of the finest level: (F, 3) int64, read-only.
 
         Indices of vertices, counter-clockwise seen from outside.
         """
         return self.levels[-1].faces
+
+    @property
+    def components(self) -> Sequence[Component]:
+        """The connected pieces of the finest level, the one with the largest area first."""
+        return self.levels[-1].components
+
+    @property
+    def closed(self) -> bool:
+        """Whether the finest level has no boundary."""
+        return self.levels[-1].closed
+
+    @property
+    def volume(self) -> float:
+        """The volume that the finest level encloses, without cavities; NaN unless it is closed.
+
+        In the unit of the vertices, cubed. See also ``components[k].volume``.
+        """
+        return self.levels[-1].volume
+
+    @property
+    def area(self) -> float:
+        """The area of the finest level, in the unit of the vertices, squared."""
+        return self.levels[-1].area
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """(2, 3) float64: the smallest and the largest coordinates of the finest level."""
+        return self.levels[-1].bounds
 
     @functools.cached_property
     def levels(self) -> Sequence[Level]:
@@ -85,14 +231,14 @@ class Mesh:
     def report(self) -> dict[str, Any]:
         """The report of ``isoatlas extract --report`` as a dict, see docs/reference/report.md.
 
-        ``files`` is empty, because no files are written yet. A mesh that was read has only
-        ``levels``, with the data that the file holds for each level.
+        Metrics, constraints and ``parameters`` have the names of the arguments of `extract`:
+        ``mesh.report["levels"][-1]["metrics"]["max_distance"]``. ``files`` is empty, because no
+        files are written yet. A mesh that was read has only ``levels``, with the data that the file
+        holds for each level.
         """
-        text = self._core.report()
-        if text:
-            report: dict[str, Any] = json.loads(text)
-            return report
-        reports = [json.loads(level) or {} for level in self._core.level_reports()]
+        if text := self._core.report():
+            return report_of(text)
+        reports = [level_of(level) for level in self._core.level_reports()]
         return {"levels": reports or [{} for _ in range(len(self._core))]}
 
     @property
@@ -110,7 +256,7 @@ class Mesh:
 
     @property
     def unmet(self) -> list[str]:
-        """One line for each requested bound that is violated, as the command line prints it.
+        """One line for each requested bound that is violated.
 
         Empty if all bounds are satisfied.
         """
@@ -132,7 +278,8 @@ class Mesh:
     ) -> None:
         """Write the mesh to files: the same bytes as the ``-o`` option of the command line.
 
-        Either all files are written completely, or none is.
+        ``NAME.html`` is the page that `show` opens. Either all files are written completely, or
+        none is.
 
         Parameters
         ----------
@@ -140,6 +287,7 @@ class Mesh:
             ``NAME.ply``, ``.stl``, ``.obj``, ``.off``, ``.vtp``, ``.3mf`` or ``.gii`` holds the
             finest level; with ``{level}`` in the name there is one file per level. ``NAME.glb`` and
             ``NAME.vtm`` hold all levels. See docs/reference/files.md for their contents.
+            ``NAME.html`` is a page that shows all levels in any browser, see docs/report.md.
         report : str or path, optional
             Also write the report, like ``--report``. Only for a result of `extract`.
         glb_per_level : bool
@@ -150,7 +298,8 @@ class Mesh:
         -----
         FileWarning
             Rounding to float32 in ``.stl``, ``.gii`` or ``.glb`` causes self-intersections, because
-            the volume is very far from the origin.
+            the volume is very far from the origin. Or the mesh is that of an array without
+            ``order``: if the array is indexed ``[z, y, x]``, the file has a mirror image.
 
         Raises
         ------
@@ -164,6 +313,66 @@ class Mesh:
         """
         if warning := self._core.save(path, report, glb_per_level):
             warnings.warn(warning, FileWarning, stacklevel=2)
+        if not self._states_order and not _html.is_page(path):
+            warnings.warn(
+                f"{os.fsdecode(path)}: x, y, z are the axes 0, 1, 2 of the array; for an array "
+                "indexed [z, y, x] this is a mirror image, expected order='xyz' in extract(); "
+                "order='ijk' confirms the axes",
+                FileWarning,
+                stacklevel=2,
+            )
+
+    def to_html(self) -> str:
+        """The page that shows all levels in 3-D, as a text. It loads nothing from a network.
+
+        See docs/report.md for what it shows. It has about 0.6 MB and 10 bytes per triangle.
+
+        Raises
+        ------
+        UnsupportedError
+            A ``ValueError``: isoatlas was built without pages (``ISOATLAS_BUILD_PAGE=OFF``).
+        """
+        return self._core.page(len(self._core))
+
+    def show(self, path: str | os.PathLike[str] | None = None) -> pathlib.Path | None:
+        """Show the mesh in 3-D: in a notebook below the cell, otherwise in the browser.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            Write the page to this file, ``NAME.html``, and open it in the browser, also in a
+            notebook. Default: a new temporary file, which stays until the system removes it.
+
+        Returns
+        -------
+        Path or None
+            The file of the page; None in a notebook.
+
+        Warns
+        -----
+        RuntimeWarning
+            No browser could be opened. The text has the name of the file.
+
+        Raises
+        ------
+        UnsupportedError, BadFileError
+            As `to_html` and `save`.
+        """
+        if path is None and _html.show_in_notebook(self):
+            return None
+        file = _html.page_path(path)
+        self.save(file)
+        _html.open_in_browser(file)
+        return file
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the page of all levels, or of as many as 4 MB can hold."""
+        return _html.for_notebook(
+            repr(self), len(self._core), self._core.page, self._core.triangle_counts()
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Mesh, (self._core, self._states_order)
 
     def to_vtk(self, level: int = -1) -> vtkPolyData:
         """Copy a level to a ``vtkPolyData``. `Level.distance` becomes point array ``max_distance``.
@@ -192,7 +401,7 @@ class Mesh:
         cells = vtkCellArray()
         cells.SetData(
             numpy_to_vtkIdTypeArray(np.arange(0, 3 * count + 1, 3, dtype=np.int64), deep=True),
-            numpy_to_vtkIdTypeArray(it.faces.astype(np.int64).ravel(), deep=True),
+            numpy_to_vtkIdTypeArray(it.faces.ravel(), deep=True),
         )
         mesh = vtkPolyData()
         mesh.SetPoints(points)
@@ -235,12 +444,10 @@ class Mesh:
         except ImportError as error:
             raise ImportError("to_trimesh() needs the package trimesh") from error
         it = self.levels[level]
-        return trimesh.Trimesh(
-            vertices=it.vertices.copy(), faces=it.faces.astype(np.int64), process=False
-        )
+        return trimesh.Trimesh(vertices=it.vertices.copy(), faces=it.faces.copy(), process=False)
 
     def __repr__(self) -> str:
-        text = _size_text(self.vertices, self.faces)
+        text = _size_text(len(self.vertices), len(self.faces))
         if len(self.levels) > 1:
             text += f", {len(self.levels)} levels"
         finest = self.levels[-1].report
@@ -270,6 +477,5 @@ def _counted(count: int, noun: str) -> str:
     return f"{count:,} {noun}" + ("" if count == 1 else "s")
 
 
-def _size_text(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]) -> str:
-    noun = "vertex" if len(vertices) == 1 else "vertices"
-    return f"{len(vertices):,} {noun}, {_counted(len(faces), 'face')}"
+def _size_text(vertices: int, faces: int) -> str:
+    return f"{vertices:,} {'vertex' if vertices == 1 else 'vertices'}, {_counted(faces, 'face')}"

@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <functional>
 
+#include "core/file_name.h"
 #include "interruptible.h"
 #include "isoatlas/error.h"
 #include "isoatlas/version.h"
 #include "outputs/mesh_outputs.h"
 #include "outputs/output_files.h"
 #include "outputs/stated_rounding.h"
+#include "page/page.h"
 #include "wording/settings.h"
 #include "wording/supersampling.h"
 
@@ -222,15 +224,86 @@ std::string report_of(const Levels& levels) {
                           : std::string();
 }
 
+namespace {
+
+/// The first levels of a hierarchy.
+Hierarchy first_levels(Hierarchy hierarchy, std::size_t count) {
+  if (count == 0 || count > hierarchy.levels.size()) throw py::index_error("no such level");
+  hierarchy.levels.resize(count);
+  if (hierarchy.positions.size() > hierarchy.levels.back().vertex_count)
+    hierarchy.positions.resize(hierarchy.levels.back().vertex_count);
+  return hierarchy;
+}
+
+std::string make_page(const Levels& levels, std::size_t level_count, const fs::path& path) {
+  require_pages();
+  Hierarchy hierarchy = first_levels(levels.hierarchy, level_count);
+  // The heading names the volume, or this name if the volume came from memory.
+  const PageEntry entry =
+      levels.extracted ? entry_of_report(report_of(levels), "array", std::move(hierarchy), {})
+                       : entry_of_levels({std::move(hierarchy), levels.info}, "mesh");
+  return page_html({&entry, 1}, path);
+}
+
+/// The volume that the levels were made from; empty if it came from memory.
+fs::path volume_path(const Levels& levels) {
+  return levels.extracted ? levels.extracted->context.volume.path : std::string();
+}
+
+void check_page_path(const Levels& levels, const fs::path& path,
+                     const std::optional<std::string>& report) {
+  require_pages();
+  if (path.string().find("{level}") != std::string::npos)
+    refuse(path.string() + ": a page shows all levels, expected a name without {level}");
+  if (same_file(path, volume_path(levels)))
+    refuse(path.string() + ": the page would replace the volume");
+  if (report && same_file(*report, path))
+    refuse(*report + ": the report would replace the page, expected another name");
+  if (report && same_file(*report, volume_path(levels)))
+    refuse(*report + ": the report would replace the volume, expected another name");
+  check_output_path(path);
+  if (report) check_output_path(*report);
+}
+
+void save_page(const std::shared_ptr<Levels>& levels, const fs::path& path,
+               const std::optional<std::string>& report) {
+  check_page_path(*levels, path, report);
+  const auto outputs = std::make_shared<OutputFiles>();
+  run_interruptibly(
+      [levels, path, report, outputs](const RunControl& control) {
+        const std::string page = make_page(*levels, levels->hierarchy.levels.size(), path);
+        outputs->write(path, [&](const fs::path& staged) { write_text_file(page, staged); });
+        if (report)
+          outputs->write(*report, [&](const fs::path& staged) {
+            write_text_file(report_of(*levels), staged);
+          });
+        control.check_cancelled();
+        outputs->commit();
+      },
+      {.discard = [outputs] { outputs->discard(); }});
+}
+
+}  // namespace
+
+std::string page_of(const std::shared_ptr<Levels>& levels, std::size_t level_count) {
+  return compute_interruptibly(
+      [levels, level_count](const RunControl&) { return make_page(*levels, level_count, "page"); },
+      {});
+}
+
 std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
                         const std::optional<std::string>& report, bool glb_per_level) {
   if (report && !levels->extracted)
     refuse("report: these levels were read from a file, expected a result of extract()");
+  if (lower_case_extension(path) == ".html") {
+    if (glb_per_level) refuse("glb_per_level: expected it with NAME.glb, got " + path);
+    save_page(levels, path, report);
+    return "";
+  }
   const MeshOutputs meshes(path, glb_per_level);
   std::vector<MeshOutputs::Other> others;
   if (report) others.push_back({*report, "report"});
-  meshes.check(levels->hierarchy.levels.size(),
-               levels->extracted ? levels->extracted->context.volume.path : std::string(), others);
+  meshes.check(levels->hierarchy.levels.size(), volume_path(*levels), others);
   const auto output_files = std::make_shared<OutputFiles>();
   const auto warning = std::make_shared<std::string>();
   run_interruptibly(

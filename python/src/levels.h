@@ -62,7 +62,14 @@ py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level)
 /// The JSON of --report, without files; empty if the levels were read from a file.
 std::string report_of(const Levels& levels);
 
-/// Writes the files of -o, --glb-per-level and --report: all of them, or none on an error.
+/// The page of --html with the levels [0, level_count), without the comparison with marching cubes,
+/// which needs the volume.
+/// @throws Error(unsupported) if this isoatlas was built without pages
+/// @cost  as page_html()
+std::string page_of(const std::shared_ptr<Levels>& levels, std::size_t level_count);
+
+/// Writes the files of -o, --glb-per-level and --report: all of them, or none on an error. A name
+/// that ends in .html is that of a page.
 /// @return a warning if rounding causes self-intersections in a file, else an empty text
 /// @throws Error(bad_argument, bad_file, unsupported)
 std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,

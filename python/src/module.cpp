@@ -8,15 +8,18 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "array_volume.h"
 #include "check.h"
+#include "components.h"
 #include "errors.h"
 #include "interruptible.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
 #include "isoatlas/version.h"
 #include "levels.h"
+#include "stored.h"
 #include "wording/settings.h"
 
 namespace {
@@ -92,6 +95,28 @@ py::dict choices_of(const VolumeSource& source) {
   return choices;
 }
 
+/// @return per component (first vertex, vertices, triangles, genus, boundary loops, area, volume,
+///         low corner, high corner); genus and loops are None if the mesh is not a manifold
+py::list components_of_level(const Levels& levels, std::size_t level) {
+  if (level >= levels.hierarchy.levels.size()) throw py::index_error("no such level");
+  const auto components = [&] {
+    const py::gil_scoped_release unlocked;
+    return components_of(levels.hierarchy.view(level));
+  }();
+  const auto tuple = [](Vec3 v) { return py::make_tuple(v.x, v.y, v.z); };
+  py::list out;
+  for (const ComponentFacts& it : components) {
+    std::optional<std::int64_t> genus, loops;
+    if (it.topology) {
+      genus = it.topology->genus();
+      loops = it.topology->boundary_loops;
+    }
+    out.append(py::make_tuple(it.first_vertex, it.vertices, it.triangles, genus, loops, it.area,
+                              it.volume, tuple(it.low), tuple(it.high)));
+  }
+  return out;
+}
+
 // pybind11 before 2.12 knows only the array layout of NumPy 1. With NumPy 2 it would read the first
 // element in place of every element.
 void require_known_numpy() {
@@ -127,9 +152,13 @@ PYBIND11_MODULE(_core, module) {
           "warnings",
           [](const VolumeSource& source) { return py::tuple(py::cast(source.warnings)); },
           "Assumptions of the reader: a tuple of texts.")
-      .def("__repr__", [](const VolumeSource& source) {
-        return "<isoatlas.VolumeSource: " + source.format + ">";
-      });
+      .def("__repr__",
+           [](const VolumeSource& source) {
+             return "<isoatlas.VolumeSource: " + source.format + ">";
+           })
+      .def(py::pickle(
+          [](const VolumeSource& source) { return py::bytes(stored(source)); },
+          [](const py::bytes& bytes) { return volume_source_from(std::string_view(bytes)); }));
 
   py::class_<ArrayVolume>(module, "ArrayVolume")
       .def(
@@ -159,6 +188,15 @@ PYBIND11_MODULE(_core, module) {
       .def("faces", &faces_of, "level"_a)
       .def("distance", &distance_of, "level"_a)
       .def("report", &report_of)
+      .def("triangle_counts",
+           [](const Levels& levels) {
+             std::vector<std::size_t> counts;
+             for (const Hierarchy::Level& level : levels.hierarchy.levels)
+               counts.push_back(level.triangles.size());
+             return counts;
+           })
+      .def("components", &components_of_level, "level"_a)
+      .def("page", &page_of, "level_count"_a)
       .def("level_reports", [](const Levels& levels) { return levels.info.levels; })
       .def_property_readonly("space", [](const Levels& levels) { return levels.info.mesh.space; })
       .def_property_readonly("placement",
@@ -172,7 +210,9 @@ PYBIND11_MODULE(_core, module) {
              const py::object& report, bool glb_per_level) {
             return save_levels(levels, path_of(path), path_or_none(report), glb_per_level);
           },
-          "path"_a, "report"_a, "glb_per_level"_a);
+          "path"_a, "report"_a, "glb_per_level"_a)
+      .def(py::pickle([](const Levels& levels) { return py::bytes(stored(levels)); },
+                      [](const py::bytes& bytes) { return levels_from(std::string_view(bytes)); }));
 
   module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
   module.def(

@@ -270,6 +270,26 @@ PageEntry entry_of_report(const std::string& report, const std::string& path, Hi
   }
 }
 
+PageEntry entry_of_levels(HierarchyFile file, const std::string& title) {
+  PageEntry entry;
+  entry.hierarchy = std::move(file.hierarchy);
+  Json facts = empty_facts(title);
+  facts["unit"] = "units";  // mesh formats do not state it
+  const std::vector<std::string>& stated = file.info.levels;
+  Json& levels = facts["levels"] = Json::array();
+  for (std::size_t k = 0; k < entry.hierarchy.levels.size(); ++k) {
+    const Json from_file = stated.empty() ? Json() : Json::parse(stated[k]);
+    Json level = counted(entry.hierarchy.mesh(k), k);
+    if (agree(from_file, level)) level.update(from_file);
+    shorten(level);
+    levels.push_back(std::move(level));
+  }
+  facts["marching_cubes"] = nullptr;
+  facts["nested"] = true;
+  entry.facts = text_of(facts);
+  return entry;
+}
+
 PageEntry entry_of_file(const fs::path& path) {
   if (lower_case_extension(path) == ".json") {
     const Json json = parsed_report(read_text_file(path), path.string());
@@ -290,25 +310,12 @@ PageEntry entry_of_file(const fs::path& path) {
                  std::string("a key is missing or has a wrong type: ") + error.what());
     }
   }
-  PageEntry entry;
-  Json facts = empty_facts(path.filename().string());
   HierarchyFile file = read_levels(path);
-  entry.hierarchy = std::move(file.hierarchy);
-  const std::vector<std::string>& stated = file.info.levels;
-  entry.sources = is_hierarchy_path(path) ? files_of_hierarchy(path, entry.hierarchy.levels.size())
-                                          : std::vector{path};
-  facts["unit"] = "units";  // mesh formats do not state it
-  Json& levels = facts["levels"] = Json::array();
-  for (std::size_t k = 0; k < entry.hierarchy.levels.size(); ++k) {
-    const Json from_file = stated.empty() ? Json() : Json::parse(stated[k]);
-    Json level = counted(entry.hierarchy.mesh(k), k);
-    if (agree(from_file, level)) level.update(from_file);
-    shorten(level);
-    levels.push_back(std::move(level));
-  }
-  facts["marching_cubes"] = nullptr;
-  facts["nested"] = true;
-  entry.facts = text_of(facts);
+  std::vector<fs::path> sources = is_hierarchy_path(path)
+                                      ? files_of_hierarchy(path, file.hierarchy.levels.size())
+                                      : std::vector{path};
+  PageEntry entry = entry_of_levels(std::move(file), path.filename().string());
+  entry.sources = std::move(sources);
   return entry;
 }
 

@@ -11,6 +11,7 @@
 
 #include "isoatlas/hierarchy.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/mesh_file.h"
 #include "isoatlas/volume.h"
 
 namespace isoatlas::detail {
@@ -32,6 +33,11 @@ struct PageEntry {
 /// @throws Error(bad_file) if the text is not such a report, or is about other levels
 PageEntry entry_of_report(const std::string& report, const std::string& path, Hierarchy hierarchy,
                           const std::optional<MeshQuality>& marching_cubes);
+
+/// Makes an entry from levels and the facts that their file states. Facts that are missing, or that
+/// do not agree with the triangles, are counted or omitted.
+/// @param title  the heading on the page
+PageEntry entry_of_levels(HierarchyFile file, const std::string& title);
 
 /// Makes an entry from a file: levels (.glb, .vtm), one mesh (.ply, .stl, ...), or a report
 /// (.json). A report names its mesh files and the volume; they are searched at these paths, then in

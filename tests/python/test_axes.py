@@ -2,6 +2,7 @@
 """Orders of axes, memory and coordinates: positions and orientation of the mesh."""
 
 import itertools
+import warnings
 
 import numpy as np
 import pytest
@@ -89,7 +90,7 @@ def test_voxel_coordinates_are_indices(axes, order):
 
 def test_orders_of_one_array_are_mirror_images():
     volume = torus()
-    ijk = isoatlas.extract(volume, 0.0, spacing=SPACING, origin=ORIGIN)
+    ijk = isoatlas.extract(volume, 0.0, spacing=SPACING, origin=ORIGIN, order="ijk")
     xyz = isoatlas.extract(volume, 0.0, spacing=SPACING[::-1], origin=ORIGIN[::-1], order="xyz")
     assert np.array_equal(ijk.vertices[:, ::-1], xyz.vertices)
     for a, b in zip(ijk.levels, xyz.levels):
@@ -135,6 +136,76 @@ def test_files_state_a_space_only_if_it_is_known(tmp_path):
 
 def test_direction_may_be_nine_numbers():
     volume, direction = torus(), rotation(True)
-    flat = isoatlas.extract(volume, 0.0, direction=direction.ravel(), coarse=True)
-    rows = isoatlas.extract(volume, 0.0, direction=direction.tolist(), coarse=True)
+    options = {"order": "ijk", "coarse": True}
+    flat = isoatlas.extract(volume, 0.0, direction=direction.ravel(), **options)
+    rows = isoatlas.extract(volume, 0.0, direction=direction.tolist(), **options)
     assert np.array_equal(flat.vertices, rows.vertices)
+
+
+VOLUME = isoatlas.Volume(torus(), spacing=SPACING, origin=ORIGIN, direction=rotation(False))
+
+
+def test_spacing_of_a_volume_states_the_order():
+    """The natural code for a mask or a filtered array is right."""
+    array = VOLUME.array - 0.25  # any function of the array
+    expected = isoatlas.extract(VOLUME.replace(array=array), 0.0)
+    geometry = {name: getattr(VOLUME, name) for name in ("spacing", "origin", "direction")}
+    assert np.array_equal(isoatlas.extract(array, 0.0, **geometry).vertices, expected.vertices)
+    mesh = isoatlas.extract(array, 0.0, spacing=VOLUME.spacing)
+    explicit = isoatlas.extract(array, 0.0, spacing=SPACING, order="xyz")
+    assert np.array_equal(mesh.vertices, explicit.vertices)
+    assert mesh.space == "LPS"
+    own = isoatlas.XYZ(x=0.7, y=1.1, z=1.9)
+    assert np.array_equal(isoatlas.extract(array, 0.0, spacing=own).vertices, mesh.vertices)
+    measured = isoatlas.check(mesh, volume=array, iso=0.0, spacing=own, samples=1000)
+    assert measured["distance"]["maximum"] < 0.8
+
+
+@pytest.mark.parametrize("name", ["spacing", "origin", "direction"])
+def test_order_of_a_volume_does_not_contradict(name):
+    with pytest.raises(isoatlas.BadArgumentError, match=f"order: the {name} is that of a Volume"):
+        isoatlas.extract(VOLUME.array, 0.0, order="ijk", **{name: getattr(VOLUME, name)})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("spacing", SPACING), ("origin", ORIGIN), ("direction", rotation(False))],
+)
+def test_geometry_that_depends_on_the_order_needs_it(name, value):
+    with pytest.raises(isoatlas.BadArgumentError, match=f"order: expected it with this {name}"):
+        isoatlas.extract(torus(), 0.0, **{name: value})
+    with pytest.raises(isoatlas.BadArgumentError, match=f"order: expected it with this {name}"):
+        mesh = isoatlas.extract(torus(), 0.0)
+        isoatlas.check(mesh, volume=torus(), iso=0.0, **{name: value})
+    for order in ("ijk", "xyz"):
+        isoatlas.extract(torus(), 0.0, order=order, coarse=True, **{name: value})
+
+
+def test_geometry_that_is_the_same_in_both_orders_needs_none():
+    turn = [[0, 1, 0], [1, 0, 0], [0, 0, 1]]
+    assert not np.array_equal(turn, np.array(turn)[::-1, ::-1])
+    both = [[0, 0, 1], [0, 1, 0], [1, 0, 0]]
+    mesh = isoatlas.extract(
+        torus(), 0.0, spacing=(2, 3, 2), origin=(1, 5, 1), direction=both, coarse=True
+    )
+    assert mesh.space == ""
+    with pytest.raises(isoatlas.BadArgumentError, match="order: expected it with this direction"):
+        isoatlas.extract(torus(), 0.0, direction=turn)
+
+
+def test_files_of_an_unknown_order_come_with_a_warning(tmp_path):
+    mesh = isoatlas.extract(torus(), 0.0, coarse=True)
+    with pytest.warns(isoatlas.FileWarning, match="mirror image, expected order='xyz'") as caught:
+        mesh.save(tmp_path / "m.stl")
+    assert caught[0].filename == __file__ and (tmp_path / "m.stl").is_file()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mesh.save(tmp_path / "m.html")
+        for known in (
+            isoatlas.extract(torus(), 0.0, order="ijk", coarse=True),
+            isoatlas.extract(torus(), 0.0, order="xyz", coarse=True),
+            isoatlas.extract(torus(), 0.0, spacing=isoatlas.XYZ(1, 1, 1), coarse=True),
+            isoatlas.extract(VOLUME, 0.0, coarse=True),
+        ):
+            known.save(tmp_path / "m.stl")
+            isoatlas.read_mesh(tmp_path / "m.stl").save(tmp_path / "n.stl")

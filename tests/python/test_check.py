@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import json
+import types
 
 import numpy as np
 import pytest
@@ -18,6 +19,28 @@ def test_counts_of_a_tetrahedron():
     counts = [report[key] for key in ("vertices", "edges", "triangles", "genus")]
     assert counts == [4, 6, 4, 0]
     assert report["self_intersections"] is None and report["distance"] is None
+
+
+def test_meshes_have_their_own_faces():
+    mesh = isoatlas.extract(torus(), 0.0)
+    expected = isoatlas.check(mesh.vertices, mesh.faces)
+    assert expected["triangles"] == len(mesh.faces) and expected["genus"] == 1
+    assert isoatlas.check(mesh) == isoatlas.check(mesh.levels[-1]) == expected
+    coarse = isoatlas.check(mesh.levels[0], self_intersections=True)
+    assert coarse["triangles"] == len(mesh.levels[0].faces) < len(mesh.faces)
+    like_trimesh = types.SimpleNamespace(vertices=mesh.vertices, faces=mesh.faces)
+    assert isoatlas.check(like_trimesh) == expected
+    padded = np.column_stack([np.full(len(mesh.faces), 3), mesh.faces]).ravel()
+    polydata = types.SimpleNamespace(points=mesh.vertices, faces=padded, is_all_triangles=True)
+    assert isoatlas.check(polydata) == expected
+    polydata.is_all_triangles = False
+    with pytest.raises(isoatlas.UnsupportedError, match="triangulate"):
+        isoatlas.check(polydata)
+    with pytest.raises(TypeError, match="faces: the mesh has its own"):
+        isoatlas.check(mesh, mesh.faces)
+    for wrong in (mesh.vertices, None, "mesh.ply"):
+        with pytest.raises(TypeError, match="mesh: expected a mesh, or an array of vertices and"):
+            isoatlas.check(wrong)
 
 
 def test_faults_are_found():

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+import importlib.util
 import sys
 import types
 
@@ -8,7 +9,9 @@ import pytest
 import isoatlas
 from conftest import torus
 
-MESH = isoatlas.extract(torus(), 0.0, refine=["max-distance:1vx", "max-distance:0.5vx"])
+MESH = isoatlas.extract(
+    torus(), 0.0, order="ijk", refine=["max-distance:1vx", "max-distance:0.5vx"]
+)
 
 
 def check_vtk(polydata, level):
@@ -72,6 +75,33 @@ def test_pyvista_gets_the_polydata(monkeypatch):
     check_vtk(polydata, MESH.levels[1])
 
 
+def test_faces_are_taken_without_a_copy():
+    """By VTK and by trimesh, from the arrays of the mesh itself."""
+    faces = MESH.faces
+    assert faces.dtype == np.int64 and faces.flags.c_contiguous and not faces.flags.writeable
+    assert MESH.faces is faces
+    ran = 0
+    if importlib.util.find_spec("vtkmodules"):
+        from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray, vtk_to_numpy
+        from vtkmodules.vtkCommonDataModel import vtkCellArray
+
+        cells = vtkCellArray()
+        connectivity = numpy_to_vtkIdTypeArray(faces.ravel(), deep=False)
+        offsets = np.arange(0, faces.size + 1, 3, dtype=np.int64)
+        cells.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), connectivity)
+        assert np.shares_memory(vtk_to_numpy(cells.GetConnectivityArray()), faces)
+        ran += 1
+    if importlib.util.find_spec("trimesh"):
+        import trimesh
+
+        theirs = trimesh.Trimesh(MESH.vertices, faces, process=False)
+        assert np.shares_memory(theirs.faces, faces)
+        assert np.shares_memory(theirs.vertices, MESH.vertices)
+        ran += 1
+    if not ran:
+        pytest.skip("neither VTK nor trimesh is installed")
+
+
 def test_trimesh_gets_copies(monkeypatch):
     monkeypatch.setitem(
         sys.modules, "trimesh", types.SimpleNamespace(Trimesh=lambda **given: given)
@@ -97,7 +127,7 @@ def test_errors_name_the_missing_package(method, package, monkeypatch):
 def test_distances_of_vertices(tmp_path):
     for level in MESH.levels:
         assert level.distance.dtype == np.float32 and level.distance.shape == (len(level.vertices),)
-        maximum = level.report["metrics"]["max-distance"]["maximum"]
+        maximum = level.report["metrics"]["max_distance"]["maximum"]
         assert level.distance.max() == np.float32(maximum)
         assert not level.distance.flags.writeable
     MESH.save(tmp_path / "m.vtm")

@@ -6,6 +6,7 @@ import importlib.util
 import os
 import re
 import subprocess
+import webbrowser
 
 import numpy as np
 import pytest
@@ -51,6 +52,7 @@ def write_scan(folder):
 def run(page, tmp_path, monkeypatch):
     write_scan(tmp_path)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(webbrowser, "open", lambda address: True)
     names, ran = {}, 0
     for language, needs, code in page:
         if language != "python" or (
@@ -67,9 +69,10 @@ def test_every_snippet_of_the_page_runs(tmp_path, monkeypatch, capsys):
     names, ran = run(blocks, tmp_path, monkeypatch)
     assert ran >= sum(language == "python" and not needs for language, needs, _ in blocks) >= 8
     printed = capsys.readouterr().out
-    for text in ("2 components", "empty_surface", "level 1: max-vertices 50: reached"):
+    for text in ("2 components", "empty_surface", "level 1: max_vertices 50: reached"):
         assert text in printed
-    for file in ("bone.stl", "bone.json", "print.stl", "field.glb"):
+    assert "order: expected it with this spacing: order='ijk'" in printed
+    for file in ("bone.stl", "bone.json", "bone.html", "print.stl", "field.glb"):
         assert (tmp_path / file).stat().st_size > 0
     assert len(names["mesh"].faces) > 0
 

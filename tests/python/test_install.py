@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Installs the module from a fresh copy of the sources, as in docs/python.md, and by CMake.
 
-Both work without a network.
+Both work without a network, except that npm downloads the libraries of the page.
 """
 
 import os
@@ -17,6 +17,9 @@ TRY = """
 import isoatlas, sys
 mesh = isoatlas.extract(isoatlas.read(sys.argv[1]), 100, coarse=True)
 assert mesh.report["version"] == isoatlas.__version__
+example = isoatlas.examples.load_protein()
+assert isoatlas.extract(example, 100, coarse=True).volume == mesh.volume
+assert "isoatlas-geometry" in mesh.to_html()
 print(isoatlas.__file__, mesh)
 """
 
@@ -64,7 +67,8 @@ def test_pip(sources, tmp_path):
     printed = run(*command, cwd=tmp_path, env=environment())
     assert str(sources / "venv") in printed and "genus 8" in printed
     files = run(sources / "venv/bin/pip", "show", "-f", "isoatlas", cwd=tmp_path, env=environment())
-    for name in ("py.typed", "_core.pyi", "_core.cpython", "errors.py"):
+    samples = ["samples/embryo.nrrd", "samples/protein_iron.raw", "samples/LICENSE-samples.txt"]
+    for name in ("py.typed", "_core.pyi", "_core.cpython", "errors.py", "pyvista.py", *samples):
         assert f"isoatlas/{name}" in files
 
 

@@ -156,3 +156,12 @@ def test_default_level_ignores_samples_that_are_not_finite():
     assert np.array_equal(found[0], expected[0]) and np.array_equal(found[1], expected[1])
     with pytest.raises(isoatlas.BadArgumentError, match="^level: expected a finite number"):
         isoatlas.marching_cubes(torus(), float("nan"))
+
+
+def test_spacing_of_a_volume_is_in_the_other_order():
+    volume = isoatlas.Volume(torus(), spacing=(1, 2, 3))
+    with pytest.raises(isoatlas.BadArgumentError, match="order of the array's axes: spacing=vol"):
+        isoatlas.marching_cubes(volume.array, 0.0, spacing=volume.spacing)
+    vertices, *_ = isoatlas.marching_cubes(volume.array, 0.0, spacing=volume.spacing[::-1])
+    expected = isoatlas.extract(volume, 0.0).vertices
+    assert np.allclose(vertices[:, ::-1].min(axis=0), expected.min(axis=0), atol=1)

@@ -63,7 +63,7 @@ def test_headerless_files(tmp_path):
 
 @pytest.mark.parametrize("extension", ["ply", "obj", "off", "vtp", "stl", "3mf", "gii"])
 def test_meshes_can_be_read_back(extension, tmp_path):
-    mesh = isoatlas.extract(torus(), 0.0)
+    mesh = isoatlas.extract(torus(), 0.0, order="ijk")
     mesh.save(tmp_path / f"m.{extension}")
     back = isoatlas.read(str(tmp_path / f"m.{extension}"))
     assert isinstance(back, isoatlas.Mesh) and len(back.levels) == 1 and back.levels[0].report == {}
@@ -82,7 +82,11 @@ def test_meshes_can_be_read_back(extension, tmp_path):
 @pytest.mark.parametrize("placement", ["surface", "balanced"])
 def test_levels_can_be_read_back(extension, placement, tmp_path):
     mesh = isoatlas.extract(
-        torus(), 0.0, refine=["max-distance:1vx", "max-distance:0.5vx"], placement=placement
+        torus(),
+        0.0,
+        order="ijk",
+        refine=["max-distance:1vx", "max-distance:0.5vx"],
+        placement=placement,
     )
     mesh.save(tmp_path / f"m.{extension}")
     back = isoatlas.read_mesh(tmp_path / f"m.{extension}")
@@ -109,7 +113,7 @@ def test_levels_can_be_read_back(extension, placement, tmp_path):
 
 
 def test_levels_without_a_report_can_be_saved(tmp_path):
-    isoatlas.extract(torus(), 0.0).save(tmp_path / "m.ply")
+    isoatlas.extract(torus(), 0.0, order="ijk").save(tmp_path / "m.ply")
     mesh = isoatlas.read_mesh(tmp_path / "m.ply")
     mesh.save(tmp_path / "n.glb", glb_per_level=True)
     mesh.save(tmp_path / "o-{level}.glb")
@@ -123,3 +127,34 @@ def test_volume_made_by_the_user():
     ours = isoatlas.extract(volume, 0.0)
     theirs = isoatlas.extract(torus(), 0.0, spacing=(1, 2, 3), origin=(4, 5, 6), order="xyz")
     assert ours.vertices.tobytes() == theirs.vertices.tobytes()
+
+
+def test_volumes_with_another_array():
+    volume = isoatlas.Volume(torus(), spacing=(1, 2, 3), origin=(4, 5, 6), unit="um", path="v.tif")
+    mask = volume.replace(array=volume.array > 0)
+    assert mask.spacing == (1, 2, 3) and mask.origin == (4, 5, 6) and mask.unit == "um"
+    assert mask.array.dtype == bool and mask.path is None and mask.source is None
+    assert volume.array.dtype == np.float32 and volume.path == "v.tif"
+    a, b = isoatlas.extract(volume, 0), isoatlas.extract(mask, 0.5)
+    assert np.allclose(a.bounds, b.bounds, atol=3)
+    other = volume.replace(spacing=(1, 1, 1), direction=np.diag([1, -1, -1]), unit="nm")
+    assert other.array is volume.array and other.path == "v.tif"
+    assert other.direction == ((1, 0, 0), (0, -1, 0), (0, 0, -1)) and other.unit == "nm"
+    assert isinstance(other.spacing, isoatlas.XYZ) and other.spacing.z == 1
+
+
+def test_arrays_of_another_shape_need_their_origin():
+    volume = isoatlas.Volume(torus(), spacing=(1, 2, 3))
+    with pytest.raises(isoatlas.BadArgumentError, match="array: expected the shape .26, 22, 14"):
+        volume.replace(array=volume.array[2:])
+    with pytest.raises(isoatlas.BadArgumentError, match="array: expected the shape"):
+        volume.replace(array=volume.array.T)
+    part = volume.replace(array=volume.array[1:], origin=(0, 0, 3))
+    whole = isoatlas.extract(volume, 0.0)
+    assert np.allclose(isoatlas.extract(part, 0.0).bounds, whole.bounds, atol=1)
+    half = volume.replace(array=volume.array[::2, ::2, ::2], spacing=(2, 4, 6))
+    assert np.allclose(isoatlas.extract(half, 0.0).bounds, whole.bounds, atol=3)
+    with pytest.raises(isoatlas.BadArgumentError, match="unit: expected one of nm"):
+        volume.replace(unit="furlong")
+    with pytest.raises(isoatlas.BadArgumentError, match="spacing: expected 3 numbers, got 2"):
+        volume.replace(spacing=(1, 2))

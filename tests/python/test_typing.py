@@ -2,10 +2,12 @@
 """Types and docstrings."""
 
 import inspect
+import json
 import os
 import pathlib
 import shutil
 import subprocess
+import sys
 
 import pytest
 
@@ -30,6 +32,30 @@ def test_mypy_finds_no_errors(what, tmp_path):
         env=environment,
     )
     assert run.returncode == 0, run.stdout + run.stderr
+
+
+@pytest.mark.parametrize(
+    "what", [ROOT / "python" / "isoatlas", pathlib.Path(__file__).with_name("usage_for_mypy.py")]
+)
+def test_pyright_finds_no_errors(what, tmp_path):
+    """Pyright is not in Debian: PyPI and npm have it."""
+    folder = os.path.dirname(sys.executable)
+    pyright = shutil.which("pyright") or shutil.which("pyright", path=folder)
+    if pyright is None:
+        pytest.skip("pyright is not installed")
+    configuration = {
+        "include": [os.path.relpath(what, tmp_path)],
+        "extraPaths": [str(ROOT / "python")],
+        "pythonVersion": "3.9",
+        "reportMissingImports": "none",  # packages that a user may have
+        "reportMissingModuleSource": "none",
+    }
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps(configuration))
+    command = [pyright, "-p", tmp_path, "--pythonpath", sys.executable, "--outputjson"]
+    found = json.loads(subprocess.run(command, capture_output=True, text=True).stdout)
+    assert found["summary"]["filesAnalyzed"] > 0
+    errors = [f"{it['file']}: {it['message']}" for it in found["generalDiagnostics"]]
+    assert not errors, "\n".join(errors)
 
 
 def public():
@@ -65,6 +91,13 @@ def test_docstrings_describe_each_parameter(function):
         if name not in named and f"``{name}``" not in function.__doc__
     ]
     assert missing == []
+
+
+def test_docstrings_of_submodules():
+    for module in (isoatlas.examples,):
+        assert module.__doc__
+        for name in module.__all__:
+            assert getattr(module, name).__doc__, name
 
 
 def test_stub_has_all_names_of_the_extension():

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 import isoatlas
-from isoatlas import errors
+from isoatlas import errors, examples
 
 
 def bar(stage: str, fraction: float) -> None:
@@ -38,7 +38,14 @@ def use(array: npt.NDArray[np.int16], folder: Path) -> float:
     )
     mesh = isoatlas.extract(array, np.float32(3), progress=True)
     vertices: npt.NDArray[np.float64] = mesh.levels[0].vertices
-    faces: npt.NDArray[np.uint32] = mesh.faces
+    faces: npt.NDArray[np.int64] = mesh.faces
+    largest: isoatlas.Component = mesh.components[0]
+    size: float = largest.volume + mesh.area + float(mesh.bounds[0, 0]) + volume.spacing.x
+    mask = volume.replace(array=volume.array > 3, origin=[1, 2, 3])
+    mesh = isoatlas.extract(mask.array, 0.5, spacing=isoatlas.XYZ(0.2, 0.2, 1))
+    page: str = mesh.to_html()
+    shown: Path | None = mesh.show(folder / "m.html")
+    print(size, page, shown, examples.load_protein().array, isoatlas.check(mesh)["closed"])
     mesh.save(folder / "m.glb", report="m.json", glb_per_level=True)
     verts, triangles, normals, values = isoatlas.marching_cubes(
         array, 1.5, spacing=(1.0, 1.0, 2.0), step_size=2
@@ -66,3 +73,4 @@ def misuse(array: npt.NDArray[np.int16]) -> None:
     isoatlas.extract(array)  # type: ignore[call-arg]
     isoatlas.extract(array, 3, max_dist=2)  # type: ignore[call-arg]
     isoatlas.extract(array, 3).faces = 1  # type: ignore
+    isoatlas.extract(array, 3).volume()  # type: ignore[operator]
