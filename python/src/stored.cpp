@@ -24,9 +24,9 @@ namespace {
     return std::tie(__VA_ARGS__);  \
   }
 
-ISOATLAS_FIELDS(Hierarchy::Level, vertex_count, triangles, own_positions, distance)
+ISOATLAS_FIELDS(Hierarchy::Level, vertex_count, triangles, own_positions, distance, cap_triangles)
 ISOATLAS_FIELDS(Hierarchy, positions, parent, levels, float32_origin)
-ISOATLAS_FIELDS(MeshFileInfo, space, comment, unit)
+ISOATLAS_FIELDS(MeshFileInfo, space, comment, unit, cap_triangles)
 ISOATLAS_FIELDS(HierarchyFileInfo, mesh, placement, levels)
 
 ISOATLAS_FIELDS(TopologySummary::Kind, genus, boundary_loops, count)
@@ -44,11 +44,15 @@ ISOATLAS_FIELDS(OneSidedDistance, samples, samples_per_voxel_face, maximum, mean
                 p50, p99, farthest)
 ISOATLAS_FIELDS(Measurement, voxel, mesh_to_surface, surface_to_mesh, normal_mean, normal_p99,
                 normal_maximum, surface_area, mesh_area)
-ISOATLAS_FIELDS(LevelReport, vertices, triangles, topology, certificate, inverted_components,
-                quality, metrics, constraints, distance_at_most, at_limit, refine_rounds, flips,
-                moves, displacements, bad_triangles, self_intersections,
-                self_intersection_positions, sites_for_intersections, measured, rounding, seconds)
 ISOATLAS_FIELDS(ComponentTopology, euler_characteristic, boundary_loops)
+ISOATLAS_FIELDS(Box, low, high)
+ISOATLAS_FIELDS(ComponentExtent, component, triangles, bounds, area, volume, topology)
+ISOATLAS_FIELDS(MeshExtent, bounds, area, volume, components, open_components, largest)
+ISOATLAS_FIELDS(CapSummary, triangles, area)
+ISOATLAS_FIELDS(LevelReport, vertices, triangles, topology, certificate, caps, inverted_components,
+                quality, extent, metrics, constraints, distance_at_most, at_limit, refine_rounds,
+                flips, moves, displacements, bad_triangles, self_intersections,
+                self_intersection_positions, sites_for_intersections, measured, rounding, seconds)
 ISOATLAS_FIELDS(RankedComponent, position, part, size, c_vertices, topology)
 ISOATLAS_FIELDS(StageTime, stage, seconds)
 ISOATLAS_FIELDS(ExtractReport, c_vertices, faces, double_segments, tunnels, coarser_c_vertices,
@@ -60,8 +64,8 @@ ISOATLAS_FIELDS(ComponentChoice, min_size, keep_largest)
 ISOATLAS_FIELDS(Length, value, in_voxels)
 ISOATLAS_FIELDS(CoveringChoice, strategy, max_radius, event_persistence)
 ISOATLAS_FIELDS(ExtractOptions, surface, supersample, adaptive_supersample, vertices_on_surface,
-                components, covering, coarse, refine, placement, allow_self_intersections, space,
-                measure_samples)
+                components, border, covering, coarse, refine, levels, placement,
+                allow_self_intersections, space, measure_samples)
 
 ISOATLAS_FIELDS(Grid, size, spacing, origin, direction, unit)
 ISOATLAS_FIELDS(FileChoice, name, entries, selected)
@@ -205,6 +209,7 @@ void require_corners_in_range(const Hierarchy& hierarchy) {
     const std::size_t count =
         level.own_positions.empty() ? hierarchy.positions.size() : level.own_positions.size();
     Reader::require(level.vertex_count <= count);
+    Reader::require(level.cap_triangles <= level.triangles.size());
     Reader::require(level.distance.empty() || level.distance.size() == level.vertex_count);
     for (const Triangle& triangle : level.triangles)
       Reader::require(std::ranges::max(triangle) < level.vertex_count);
