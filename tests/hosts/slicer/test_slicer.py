@@ -167,6 +167,18 @@ def test_ctk_cli_reads_all_parameters(caplog):
     assert [record.getMessage().split()[1] for record in caplog.records] == names
 
 
+def test_names_on_the_page(module):
+    """The script for Slicer's console, which needs Slicer, and the table of parameters."""
+    page = (ROOT / "docs/hosts/slicer.md").read_text()
+    names = {parameter.name for parameter in module.parameters()}
+    used = re.findall(r'"(\w+)":', page)
+    assert len(used) == 4 and set(used) <= names
+    labels = {parameter.label for parameter in module.parameters()}
+    table = re.findall(r"(?m)^\| ([A-Z][\w ]+) \|", page)
+    assert len(table) >= 5 and set(table) <= labels
+    assert module.category == "Surface Models" and MODULE.name.lower() == "isoatlas"
+
+
 def test_the_parser_of_ctk_cli_accepts_the_command_line(module, tmp_path):
     (tmp_path / "IsoAtlas.xml").write_text(description())
     parser = ctk_cli.CLIArgumentParser(str(tmp_path / "IsoAtlas.xml"))

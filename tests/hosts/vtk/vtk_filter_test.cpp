@@ -287,6 +287,34 @@ TEST(VtkIsoAtlas, OtherProperties) {
       << filter->GetViolations();
 }
 
+// Bounds that 40 vertices cannot satisfy: each is reported as violated.
+TEST(VtkIsoAtlas, EveryBoundIsPassedOn) {
+  vtkNew<vtkIsoAtlas> filter;
+  filter->SetInputData(ball());
+  filter->SetIsoValue(50);
+  filter->SetAdaptiveSupersample(0);
+  filter->SetMaxVertices(40);
+  filter->SetMaxDistance(0.001);
+  filter->SetMeanDistance(0.0001);
+  filter->SetNormalAngle(0.5);
+  filter->SetAreaCurvature(1.0001);
+  filter->SetGeodesicRatio(1.0001);
+  filter->SetMinVertices(1000);
+  filter->SetMinEdge(50);
+  filter->SetMaxEdge(0.1);
+  filter->SetMinAspect(0.99);
+  filter->Update();
+  const std::string violations = filter->GetViolations();
+  for (const std::string name :
+       {"max-distance 0.001", "mean-distance 0.0001", "normal-angle 0.5", "area-curvature 1.0001",
+        "geodesic-ratio 1.0001", "min-vertices 1000", "min-edge 50", "max-edge 0.1",
+        "min-aspect 0.99"})
+    EXPECT_NE(violations.find("level 1: " + name + ": reached"), std::string::npos) << name << "\n"
+                                                                                    << violations;
+  EXPECT_EQ(violations.find("level 1: max-vertices"), std::string::npos);
+  EXPECT_LE(finest(filter)->GetNumberOfPoints(), 40);
+}
+
 TEST(VtkIsoAtlas, UpdatesOnlyWhenChanged) {
   vtkNew<vtkIsoAtlas> filter;
   filter->SetInputData(ball());
