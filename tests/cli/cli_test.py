@@ -204,7 +204,7 @@ class Help(ToolTest):
         "--covering --event-persistence --threads --nan --space -q --quiet -v --verbose "
         "-h --help " + READING + "--levels --refine --max-distance --mean-distance "
         "--area-curvature --area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
-        "--min-vertices --min-edge --max-edge --min-aspect --placement --glb-per-level "
+        "--min-vertices --min-edge --max-edge --min-aspect --border --placement --glb-per-level "
         "--measure --measure-samples --min-component-size --keep-components "
         "--interpolation --supersample --adaptive-supersample "
         "--allow-self-intersections --strict --html", "info": "--json -h --help " + READING,
@@ -1219,11 +1219,10 @@ class BadArguments(ToolTest):
                     "-1", "9", "1.5", "", "many"
                 ], "--supersample": ["0", "-2", "1.5", "2x", "", "99999999999"], "--nan": [
                     "refuse", ""
-                ], "--space": ["lpi", "L P S"], "--placement": ["here", ""], "--measure-samples": [
-                    "0", "-1", "many"
-                ], "--max-distance": ["0", "-1", "0vx", "half", "1px", "inf"], "--min-edge": [
-                    "0", "x"
-                ], "--area-curvature": ["1", "0.5", "nan", "2vx"], "--geodesic-ratio": ["1", "inf"],
+                ], "--space": ["lpi", "L P S"], "--placement": ["here", ""],
+                "--border": ["shut", ""], "--measure-samples": ["0", "-1", "many"],
+                "--max-distance": ["0", "-1", "0vx", "half", "1px", "inf"],
+                "--min-edge": ["0", "x"], "--area-curvature": ["1", "0.5", "nan", "2vx"], "--geodesic-ratio": ["1", "inf"],
                 "--normal-angle": ["0", "-5", "5rad", "deg"], "--max-vertices": [
                     "3", "-7", "1e3", "5.5", "99999999999"
                 ], "--min-aspect": ["0", "1", "-0.1", "nan"], "--refine": [

@@ -123,6 +123,7 @@ def mesh_layer(
         samples,
         iso,
         spacing=scale.tolist(),
+        order="ijk",
         refine=[{"max_distance": f"{max_distance * 2.0**k!r}vx"} for k in reversed(range(levels))],
         max_vertices=max_vertices,
         keep_components=keep_components,

@@ -50,8 +50,8 @@ def test_image_layer():
     mesh = mesh_layer(layer, 0.0, max_distance=0.5, levels=3)
     assert len(mesh.levels) == 4
     expected = isoatlas.extract(
-        ball(), 0.0, spacing=(2, 0.5, 0.5),
-        refine=["max-distance:2vx", "max-distance:1vx", "max-distance:0.5vx"],
+        ball(), 0.0, spacing=(2, 0.5, 0.5), order="ijk",
+        refine=[{"max_distance": f"{bound}vx"} for bound in (2, 1, 0.5)],
     )
     assert np.array_equal(mesh.vertices, expected.vertices)
     (vertices, faces, values), options, kind = surface_data(layer, mesh)
