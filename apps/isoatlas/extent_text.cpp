@@ -18,7 +18,7 @@ std::string power_text(double value, const char* power, LengthUnit unit) {
 std::string area_text(double area, LengthUnit unit) { return power_text(area, "square", unit); }
 
 /// "12 x 3.5 x 4 mm"
-std::string sides_text(const Box& box, const std::string& unit) {
+std::string sides_text(const BoundingBox& box, const std::string& unit) {
   return number_text(box.high.x - box.low.x) + " x " + number_text(box.high.y - box.low.y) + " x " +
          number_text(box.high.z - box.low.z) + (unit.empty() ? "" : " " + unit);
 }

@@ -15,17 +15,17 @@
 namespace isoatlas {
 
 /// A box with sides along the axes.
-struct Box {
+struct BoundingBox {
   Vec3 low, high;
-  friend bool operator==(const Box&, const Box&) = default;
+  friend bool operator==(const BoundingBox&, const BoundingBox&) = default;
 };
 
 /// The extent of one connected component of a mesh. Lengths are in the unit of the positions.
 struct ComponentExtent {
   std::uint32_t component = 0;  ///< its index in MeshTopology::components
   std::size_t triangles = 0;
-  Box bounds;       ///< of its vertices
-  double area = 0;  ///< sum of the areas of its triangles
+  BoundingBox bounds;  ///< of its vertices
+  double area = 0;     ///< sum of the areas of its triangles
   /// The enclosed volume: positive if triangles face outwards, negative if they face inwards, as
   /// around a cavity. Absent if the component encloses none: it has a boundary, or an edge at which
   /// the orientations of its triangles do not cancel.
@@ -52,8 +52,8 @@ ISOATLAS_API std::vector<ComponentExtent> component_extents(const MeshView& mesh
 
 /// The extent of a whole mesh.
 struct MeshExtent {
-  Box bounds;       ///< of all components; zero for a mesh without triangles
-  double area = 0;  ///< sum over all components
+  BoundingBox bounds;  ///< of all components; zero for a mesh without triangles
+  double area = 0;     ///< sum over all components
   /// Sum over the components that enclose a volume; absent if none does. Cavities are subtracted,
   /// because their volume is negative.
   std::optional<double> volume;

@@ -67,7 +67,7 @@ void Axes::to_caller(Measurement& measurement, Space space) const {
 void Axes::to_caller(Extraction& extraction, Space space) const {
   if (is_same()) return;
   const auto convert = [&](Vec3& p) { p = negated_if_ras(to_caller(p), space); };
-  const auto convert_box = [&](Box& box) {
+  const auto convert_box = [&](BoundingBox& box) {
     convert(box.low);
     convert(box.high);
     const auto [low, high] = box;

@@ -45,7 +45,7 @@ ISOATLAS_FIELDS(OneSidedDistance, samples, samples_per_voxel_face, maximum, mean
 ISOATLAS_FIELDS(Measurement, voxel, mesh_to_surface, surface_to_mesh, normal_mean, normal_p99,
                 normal_maximum, surface_area, mesh_area)
 ISOATLAS_FIELDS(ComponentTopology, euler_characteristic, boundary_loops)
-ISOATLAS_FIELDS(Box, low, high)
+ISOATLAS_FIELDS(BoundingBox, low, high)
 ISOATLAS_FIELDS(ComponentExtent, component, triangles, bounds, area, volume, topology)
 ISOATLAS_FIELDS(MeshExtent, bounds, area, volume, components, open_components, largest)
 ISOATLAS_FIELDS(CapSummary, triangles, area)

@@ -18,7 +18,7 @@ namespace isoatlas {
 using namespace detail;
 namespace {
 
-void extend(Box& box, Vec3 low, Vec3 high) {
+void extend(BoundingBox& box, Vec3 low, Vec3 high) {
   box.low = {std::min(box.low.x, low.x), std::min(box.low.y, low.y), std::min(box.low.z, low.z)};
   box.high = {std::max(box.high.x, high.x), std::max(box.high.y, high.y),
               std::max(box.high.z, high.z)};
@@ -89,7 +89,7 @@ struct Frame {
   Vec3 middle;
   int exponent = 0;
 
-  explicit Frame(const Box& bounds) : middle(0.5 * bounds.low + 0.5 * bounds.high) {
+  explicit Frame(const BoundingBox& bounds) : middle(0.5 * bounds.low + 0.5 * bounds.high) {
     const double longest = largest_coordinate(bounds.high - bounds.low);
     if (longest > 0 && std::isfinite(longest)) exponent = std::ilogb(longest);
   }

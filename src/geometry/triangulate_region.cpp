@@ -20,14 +20,15 @@
 namespace isoatlas::detail {
 namespace {
 
-using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_2;
+using ExactPoint = CGAL::Exact_predicates_inexact_constructions_kernel::Point_2;
 
 // Edges whose opposite angles add up to less than this more than 180 degrees (in radians) are not
 // flipped: with rounding, four points on a circle could be flipped for ever.
 constexpr double kMinExcess = 1e-9;
 
 int orientation(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
-  return static_cast<int>(CGAL::orientation(Point(a.u, a.v), Point(b.u, b.v), Point(c.u, c.v)));
+  return static_cast<int>(
+      CGAL::orientation(ExactPoint(a.u, a.v), ExactPoint(b.u, b.v), ExactPoint(c.u, c.v)));
 }
 
 bool is_before(const PlanePoint& a, const PlanePoint& b) {

@@ -1222,7 +1222,8 @@ class BadArguments(ToolTest):
                 ], "--space": ["lpi", "L P S"], "--placement": ["here", ""],
                 "--border": ["shut", ""], "--measure-samples": ["0", "-1", "many"],
                 "--max-distance": ["0", "-1", "0vx", "half", "1px", "inf"],
-                "--min-edge": ["0", "x"], "--area-curvature": ["1", "0.5", "nan", "2vx"], "--geodesic-ratio": ["1", "inf"],
+                "--min-edge": ["0", "x"], "--area-curvature": ["1", "0.5", "nan", "2vx"],
+                "--geodesic-ratio": ["1", "inf"],
                 "--normal-angle": ["0", "-5", "5rad", "deg"], "--max-vertices": [
                     "3", "-7", "1e3", "5.5", "99999999999"
                 ], "--min-aspect": ["0", "1", "-0.1", "nan"], "--refine": [

@@ -46,7 +46,7 @@ TEST(ComponentExtents, OfABox) {
   ASSERT_EQ(extents.size(), 1u);
   EXPECT_EQ(extents[0].component, 0u);
   EXPECT_EQ(extents[0].triangles, 12u);
-  EXPECT_EQ(extents[0].bounds, (Box{{1, 2, 3}, {3, 5, 7}}));
+  EXPECT_EQ(extents[0].bounds, (BoundingBox{{1, 2, 3}, {3, 5, 7}}));
   EXPECT_EQ(extents[0].area, 2 * (6 + 8 + 12));
   EXPECT_EQ(extents[0].volume, 24);
   EXPECT_EQ(extents[0].topology, (ComponentTopology{2, 0}));
@@ -70,7 +70,7 @@ TEST(ComponentExtents, ACavityIsNegativeAndSubtracted) {
   const MeshExtent all = summarize(extents);
   EXPECT_EQ(all.volume, 992);
   EXPECT_EQ(all.area, 624);
-  EXPECT_EQ(all.bounds, (Box{{0, 0, 0}, {10, 10, 10}}));
+  EXPECT_EQ(all.bounds, (BoundingBox{{0, 0, 0}, {10, 10, 10}}));
   EXPECT_EQ(all.components, 2u);
   EXPECT_EQ(all.open_components, 0u);
 }
