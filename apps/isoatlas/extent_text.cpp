@@ -8,7 +8,7 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-constexpr std::size_t kMostShown = 6;  // components
+constexpr std::size_t kMostDescribed = 6;  // components
 
 std::string power_text(double value, const char* power, LengthUnit unit) {
   return number_text(value) + " " + power + " " +
@@ -56,7 +56,7 @@ void print_extent(std::ostream& out, const MeshExtent& extent, LengthUnit unit,
                            point_text(extent.bounds.low) + " to " + point_text(extent.bounds.high))
       << row("area", area_text(extent.area, unit)) << row("encloses", enclosed_text(extent, unit));
   if (extent.components == 1) return;
-  const std::size_t shown = std::min(kMostShown, extent.largest.size());
+  const std::size_t shown = std::min(kMostDescribed, extent.largest.size());
   for (std::size_t i = 0; i < shown; ++i)
     out << row("", component_text(extent.largest[i], unit, bounds_in));
   if (shown < extent.components)

@@ -27,7 +27,7 @@ namespace {
 const std::set<std::string> kStandardFlags{"xml", "help", "version", "echo", "logo"};
 const std::set<std::string> kStandardValues{"returnparameterfile", "processinformationaddress"};
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_call(const std::string& message) {
   throw Error(ErrorCode::bad_argument, message);
 }
 
@@ -47,8 +47,8 @@ const SlicerParameter* find_parameter(std::string_view name) {
       if (!parameter.is_file()) names.emplace_back(parameter.name);
   }
   const std::string nearest = nearest_name(name, names);
-  refuse("unknown flag --" + name +
-         (nearest.empty() ? "; --xml lists the flags" : "; did you mean --" + nearest + "?"));
+  refuse_call("unknown flag --" + name +
+              (nearest.empty() ? "; --xml lists the flags" : "; did you mean --" + nearest + "?"));
 }
 
 /// A command line of the module.
@@ -80,15 +80,15 @@ ModuleWords parse(const std::vector<std::string>& words) {
     const bool is_flag = kStandardFlags.contains(name) || (parameter && parameter->is_flag());
     if (!word.starts_with("--") || (!is_flag && !parameter && !kStandardValues.contains(name)))
       refuse_flag(name);
-    if (is_flag && equals != std::string::npos) refuse("--" + name + " takes no value");
-    if (parsed.has(name)) refuse("--" + name + " is given twice");
+    if (is_flag && equals != std::string::npos) refuse_call("--" + name + " takes no value");
+    if (parsed.has(name)) refuse_call("--" + name + " is given twice");
     std::string& value = parsed.values[name];
     if (is_flag) {
       value = "true";
     } else if (equals != std::string::npos) {
       value = word.substr(equals + 1);
     } else {
-      if (i + 1 == words.size()) refuse("--" + name + " has no value");
+      if (i + 1 == words.size()) refuse_call("--" + name + " has no value");
       value = words[++i];
     }
   }
@@ -152,19 +152,20 @@ void set_options(const ModuleWords& words, ExtractArguments& arguments) {
 
 ExtractArguments arguments_of(const ModuleWords& words) {
   if (words.files.size() != 2)
-    refuse("expected two files, the volume and the model, got " +
-           std::to_string(words.files.size()) + "; --xml describes the command line");
+    refuse_call("expected two files, the volume and the model, got " +
+                std::to_string(words.files.size()) + "; --xml describes the command line");
   ExtractArguments arguments;
   arguments.volume.path = words.files[0];
   arguments.mesh = words.files[1];
   for (const std::filesystem::path& file : {arguments.volume.path, arguments.mesh})
-    if (file == "-") refuse("expected two files, got '-': a module has no standard streams");
+    if (file == "-") refuse_call("expected two files, got '-': a module has no standard streams");
   arguments.coarse = words.has("coarse");
   arguments.options.allow_self_intersections = words.has("allowSelfIntersections");
   if (words.has("measure")) arguments.options.measure_samples = kMeasureSamples;
   if (words.has("label")) {
     const auto label = parse_whole<std::int64_t>(words.values.at("label"));
-    if (!label) refuse("--label: expected a whole number, got '" + words.values.at("label") + "'");
+    if (!label)
+      refuse_call("--label: expected a whole number, got '" + words.values.at("label") + "'");
     if (*label != 0) arguments.label = *label;
   }
   if (words.has("returnparameterfile"))

@@ -56,6 +56,10 @@ const std::vector<SlicerGroup>& groups() {
       {"string", "minComponentSize", "Smallest component",
        "Drop components that enclose a smaller volume: 10vx (voxels), 2.5mm3. Empty: keep all",
        "", {}, "min-component-size"},
+      {"string-enumeration", "border", "At the volume boundary",
+       "Where the volume boundary cuts the surface: the mesh ends there (open), or planar caps "
+       "close it (closed), for 3-D printing",
+       "open", {"open", "closed"}, "border"},
     }},
     {"Advanced", "Interpolation, supersampling, vertex placement, threads", true, {
       {"string-enumeration", "topology", "Topology",
