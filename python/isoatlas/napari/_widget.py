@@ -227,4 +227,4 @@ def _distance_text(report: dict[str, Any]) -> str:
     if proved is not None:
         return f"{proved:.4g} (proved)"
     metrics = report.get("metrics")
-    return f"{metrics['max-distance']['maximum']:.4g} (sampled)" if metrics else ""
+    return f"{metrics['max_distance']['maximum']:.4g} (sampled)" if metrics else ""

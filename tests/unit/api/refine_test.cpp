@@ -425,6 +425,7 @@ TEST(Edges, SurfacesThatAreAllBoundary) {
 }
 
 TEST(Edges, WhiteNoise) {
+  if (!is_thorough()) GTEST_SKIP() << kThoroughOnly;
   const Volume volume = to_volume(random_samples(Family::white_noise, {12, 12, 12}, 4));
   const Extraction e = extract(volume, options_with({{{Quantity::max_distance, 0.25}}}));
   expect_sound(e, "white noise");
