@@ -102,7 +102,7 @@ std::string what_is_wrong(const Extraction& e, const Samples& samples, double is
 }
 
 TEST(ClosedMesh, RandomVolumes) {
-  const int rounds = is_thorough() ? 60 : 8;
+  const int rounds = is_thorough() ? 25 : 6;
   int with_caps = 0, unresolved = 0;
   for (int family = 0; family < kFamilies; ++family) {
     for (int seed = 0; seed < rounds; ++seed) {
