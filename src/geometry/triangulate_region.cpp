@@ -247,7 +247,7 @@ class Faces {
   }
   // At the end of an edge, the first edge clockwise from the way back.
   Edge& next_on_face(const Edge& edge) {
-    const auto [back, at] = edge.ends;
+    const std::uint32_t back = edge.ends[0], at = edge.ends[1];
     const auto begin = edges_.begin() + first_[at], end = edges_.begin() + first_[at + 1];
     const auto found = std::partition_point(
         begin, end, [&](const Edge& e) { return direction_before(at, e.ends[1], back); });
