@@ -46,9 +46,8 @@ struct Extraction {
 /// @throws Error(unsupported)
 ///   - a sample is NaN or infinite and `surface.non_finite` is `refuse` (the message gives the
 ///     count and the first index);
-///   - `border` is `closed`, and the whole volume boundary is inside while `components` selects
-///   some,
-///     or the mesh cannot be closed because self-intersections remain;
+///   - with a closed `border`: the whole volume boundary is inside and `components` selects some
+///     components, or the mesh cannot be closed because self-intersections remain;
 ///   - the direction is not orthonormal, except if `refine` and `coarse` are empty and
 ///     `measure_samples` is 0
 /// @throws Error(empty_surface)  no sample or every sample is inside (the message gives the range

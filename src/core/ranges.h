@@ -23,6 +23,13 @@ void sort(Range&& range, Less less = {}, Projection projection = {}) {
   std::sort(std::begin(range), std::end(range), by_projection(less, projection));
 }
 
+/// Sorts a vector and removes duplicates.
+template <class Vector>
+void sort_unique(Vector& items) {
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
 template <class Range, class Less = std::less<>, class Projection = std::identity>
 void stable_sort(Range&& range, Less less = {}, Projection projection = {}) {
   std::stable_sort(std::begin(range), std::end(range), by_projection(less, projection));

@@ -34,11 +34,6 @@ GridCell grid_cell_of_face(const SurfaceComplex& complex, const Face& face) {
   return grid_cell_of((1.0 / face.size()) * sum);
 }
 
-void sort_unique(std::vector<GridCell>& grid_cells) {
-  std::sort(grid_cells.begin(), grid_cells.end());
-  grid_cells.erase(std::unique(grid_cells.begin(), grid_cells.end()), grid_cells.end());
-}
-
 }  // namespace
 
 AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
@@ -116,7 +111,7 @@ void AdaptiveSurface::update_checked_cells() {
     }
   }
   control_.check_cancelled();
-  sort_unique(grid_cells);
+  ranges::sort_unique(grid_cells);
   control_.check_cancelled();
   // Grid cells with faces that are not even fans cannot be checked.
   std::vector<GridCell> unsplit;
@@ -127,7 +122,7 @@ void AdaptiveSurface::update_checked_cells() {
     if (std::binary_search(grid_cells.begin(), grid_cells.end(), grid_cell))
       unsplit.push_back(grid_cell);
   }
-  sort_unique(unsplit);
+  ranges::sort_unique(unsplit);
   is_in_unsplit_grid_cell_.assign(n, 0);
   for_each_index(inside.size(), kPerChunk, &control_, [&](std::size_t i) {
     is_in_unsplit_grid_cell_[inside[i]] = std::binary_search(
@@ -251,7 +246,7 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted,
       grid_cells.push_back(grid_cell_of_face(complex_, face));
   }
   control_.check_cancelled();
-  sort_unique(grid_cells);
+  ranges::sort_unique(grid_cells);
   std::vector<Fineness> current = old_fineness;
   for (;; current = fineness()) {
     std::vector<CVertexId> not_in_pieces;
@@ -321,10 +316,10 @@ void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision
     if (!face.is_triangle() || !has_midpoint(face)) continue;
     grid_cells.push_back(grid_cell_of_face(complex_, face));
   }
-  sort_unique(grid_cells);
+  ranges::sort_unique(grid_cells);
   grid_cells_with_small_pieces_.insert(grid_cells_with_small_pieces_.end(), grid_cells.begin(),
                                        grid_cells.end());
-  sort_unique(grid_cells_with_small_pieces_);
+  ranges::sort_unique(grid_cells_with_small_pieces_);
   for (const Face& face : complex_.faces) {
     poll.step();
     if (!face.is_triangle()) continue;

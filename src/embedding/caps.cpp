@@ -45,11 +45,6 @@ std::vector<std::uint8_t> faces_of_vertices(std::span<const Vec3> positions, con
   return out;
 }
 
-void sort_unique(std::vector<std::uint32_t>& items) {
-  ranges::sort(items);
-  items.erase(std::unique(items.begin(), items.end()), items.end());
-}
-
 // Caps the six faces of the box.
 class Capper {
  public:
@@ -76,7 +71,7 @@ class Capper {
     }
     for (int face = 0; face < 6; ++face) cap(face);
     if (out_.faulty.empty()) check_parts();
-    sort_unique(out_.faulty);
+    ranges::sort_unique(out_.faulty);
     return std::move(out_);
   }
 
@@ -98,7 +93,7 @@ class Capper {
     // The points of this face alone, renumbered.
     std::vector<std::uint32_t> vertices;
     for (const RegionSide& side : sides) vertices.insert(vertices.end(), side.begin(), side.end());
-    sort_unique(vertices);
+    ranges::sort_unique(vertices);
     const auto number = [&](std::uint32_t v) {
       return static_cast<std::uint32_t>(ranges::lower_bound(vertices, v) - vertices.begin());
     };
@@ -179,10 +174,6 @@ class Capper {
     std::vector<std::uint32_t> part_of_set(vertices, kNone);  // per representative
     std::vector<std::uint32_t> set_of_part(n, kNone);
     std::vector<std::uint8_t> is_wrong(n, 0);
-    std::vector<std::uint8_t> has_component(n, 0);
-    for (const std::uint32_t part : reference_.part_of) has_component[part] = 1;
-    const auto whole_box = static_cast<std::uint32_t>(ranges::find(has_component, std::uint8_t{0}) -
-                                                      has_component.begin());
     const auto part_of_vertex = [&](std::uint32_t v) {
       return reference_.part_of[component_of_[v]];
     };
@@ -193,17 +184,19 @@ class Capper {
       if (part_of_set[set] != part) is_wrong[part] = is_wrong[part_of_set[set]] = 1;
       if (set_of_part[part] != set) is_wrong[part] = 1;
     }
+    const auto part_with = [&](std::uint32_t v) {
+      const std::uint32_t part = part_of_set[connected.find(v)];
+      return part != kNone ? part : reference_.whole_box;
+    };
     std::vector<std::int64_t> euler(n, 0);
     for (std::uint32_t v = 0; v < vertices; ++v) {
-      const std::uint32_t part = part_of_set[connected.find(v)];
-      if (part != kNone || whole_box < n) ++euler[part != kNone ? part : whole_box];
+      if (const std::uint32_t part = part_with(v); part != kNone) ++euler[part];
     }
     // A closed mesh has 3/2 edges per triangle: V - E + F = V - F / 2.
     std::vector<std::int64_t> count(n, 0);
     const auto count_triangles = [&](std::span<const Triangle> triangles) {
       for (const Triangle& t : triangles) {
-        const std::uint32_t part = part_of_set[connected.find(t[0])];
-        if (part != kNone || whole_box < n) ++count[part != kNone ? part : whole_box];
+        if (const std::uint32_t part = part_with(t[0]); part != kNone) ++count[part];
       }
     };
     count_triangles(triangles_);
@@ -238,13 +231,18 @@ CapReference make_cap_reference(const SurfaceComplex& closed, const Components& 
   out.box = box;
   constexpr std::uint32_t kDropped = kNone - 1;
   std::vector<std::uint32_t> number(parts.topology.size(), kNone);  // of kept parts
-  for (std::size_t c = 0; c < part_of.size(); ++c) number[part_of[c]] = kDropped;
+  std::vector<std::uint8_t> has_component(parts.topology.size(), 0);
+  for (const std::uint32_t part : part_of) {
+    number[part] = kDropped;
+    has_component[part] = 1;
+  }
   for (std::size_t c = 0; c < part_of.size(); ++c) {
     if (is_kept(c)) number[part_of[c]] = kNone;
   }
   for (std::size_t part = 0; part < number.size(); ++part) {
     if (number[part] == kDropped) continue;
     number[part] = static_cast<std::uint32_t>(out.topology.size());
+    if (has_component[part] == 0) out.whole_box = number[part];
     out.topology.push_back(parts.topology[part]);
   }
   for (std::size_t c = 0; c < part_of.size(); ++c) {
@@ -275,7 +273,7 @@ std::vector<std::uint32_t> vertices_that_prevent_caps(std::span<const Vec3> posi
   for (const auto& [a, b, c] : triangles) {
     if ((faces_of[a] & faces_of[b] & faces_of[c]) != 0) out.insert(out.end(), {a, b, c});
   }
-  sort_unique(out);
+  ranges::sort_unique(out);
   return out;
 }
 

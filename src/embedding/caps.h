@@ -19,8 +19,10 @@ struct CapReference {
   BoxFaces box;                             ///< of the parsed samples
   std::array<bool, 8> corner_is_inside{};   ///< per corner of the box; see BoxFaces::corner()
   std::vector<std::uint32_t> part_of;       ///< per component of the open surface
-  std::vector<ComponentTopology> topology;  ///< per part; a part without a component is the whole
-                                            ///< surface of the box
+  std::vector<ComponentTopology> topology;  ///< per part
+  /// The part that is the whole surface of the box: the only one without a component of the open
+  /// surface. kNone if there is none.
+  std::uint32_t whole_box = kNone;
 };
 
 /// @param closed   the surface of the same volume parsed with ParseOptions::closed

@@ -48,8 +48,7 @@ void add_uncapped_vertices(const GrowingDual& dual, const AdaptiveSurface& surfa
                       surface.complex().spacing)
                 .faulty;
   cells.insert(cells.end(), found.begin(), found.end());
-  ranges::sort(cells);
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  ranges::sort_unique(cells);
 }
 
 // Makes sites of the c-vertices on the edges of the volume's box, so that a boundary edge of the

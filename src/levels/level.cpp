@@ -117,15 +117,8 @@ MeshTopology append_caps(TriangleMesh& mesh, const std::vector<ComponentId>& com
   parts.topology = reference.topology;
   std::vector<std::uint32_t> part_of;
   for (const ComponentId c : component_of) part_of.push_back(reference.part_of[c]);
-  const auto whole_box = static_cast<std::uint32_t>(
-      std::find_if(parts.topology.begin(), parts.topology.end(),
-                   [&](const ComponentTopology& part) {
-                     const auto number = static_cast<std::uint32_t>(&part - parts.topology.data());
-                     return ranges::count(reference.part_of, number) == 0;
-                   }) -
-      parts.topology.begin());
   // A corner of the box belongs to the part of any vertex to which it is connected.
-  std::vector<std::uint32_t> part_of_component(topology.components.size(), whole_box);
+  std::vector<std::uint32_t> part_of_component(topology.components.size(), reference.whole_box);
   for (std::size_t v = 0; v < part_of.size(); ++v)
     part_of_component[topology.component_of_vertex[v]] = part_of[v];
   for (std::size_t v = part_of.size(); v < mesh.positions.size(); ++v)

@@ -11,15 +11,11 @@
 
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/whole_progress.h"
 
 namespace isoatlas::detail {
 namespace {
-
-void sort_unique(std::vector<CellId>& cells) {
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-}
 
 struct Candidate {
   float distance = 0;  // from its site; larger is better
@@ -231,7 +227,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     for (const CellId c : scope) touched_[c] = 1;
     if (found.passed()) {
       // One check of everything that was checked in between yields its triangles.
-      sort_unique(checked);
+      ranges::sort_unique(checked);
       if (!check_all && checked.size() > scope.size()) found = check(checked, control);
       if (check_all && !scope.empty()) found = check({}, control);
       control.check_cancelled();
@@ -271,7 +267,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     scope = cells_near_changes(control);  // also the faults that are left for the next round
     for (const FaultyCell& f : found.faulty_cells) scope.push_back(f.cell);
     for (const PairFault& p : found.pair_faults) scope.insert(scope.end(), {p.a, p.b});
-    sort_unique(scope);
+    ranges::sort_unique(scope);
     if (!check_all) checked.insert(checked.end(), scope.begin(), scope.end());
   }
 }
