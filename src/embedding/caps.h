@@ -20,8 +20,8 @@ struct CapReference {
   std::array<bool, 8> corner_is_inside{};   ///< per corner of the box; see BoxFaces::corner()
   std::vector<std::uint32_t> part_of;       ///< per component of the open surface
   std::vector<ComponentTopology> topology;  ///< per part
-  /// The part that is the whole surface of the box: the only one without a component of the open
-  /// surface. kNone if there is none.
+  /// The part that is the whole surface of the box, the only one without a component of the open
+  /// surface; kNone if no part is.
   std::uint32_t whole_box = kNone;
 };
 
