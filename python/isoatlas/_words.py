@@ -39,12 +39,36 @@ def word(name: str, value: object) -> str:
 
 
 def words(options: Mapping[str, object]) -> Words:
-    """The options that are not None, under their names on the command line."""
+    """The options that are not None, under their names on the command line; a list repeats one."""
     return [
-        (name.replace("_", "-"), word(name, value))
+        (name.replace("_", "-"), word(name, part))
         for name, value in options.items()
-        if value is not None
+        for part in (value if isinstance(value, list) else [value])
+        if part is not None
     ]
+
+
+def points(name: str, value: object) -> list[str]:
+    """Points as texts like ``"1.5,2,3"``.
+
+    Raises
+    ------
+    BadArgumentError
+        ``value`` is not one point or a sequence of points.
+    """
+    if value is None:
+        return []
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim == 1:
+        array = array[np.newaxis]
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise BadArgumentError(
+            f"{name}: expected a point (x, y, z) or a sequence of points, got {value!r}"
+        )
+    return [",".join(word(name, number) for number in point) for point in array]
 
 
 def isovalue(name: str, value: object) -> str:
