@@ -54,18 +54,10 @@ class PrivateFolder {
   fs::path path_;
 };
 
-void require_file(const ViewArguments& arguments) {
-  if (arguments.volume.path == "-")
-    throw Error(ErrorCode::bad_argument,
-                "VOLUME: expected a file or a folder, got '-': saving a mesh reads it again, which "
-                "standard input does not allow");
-}
-
 }  // namespace
 
 int run_view(const ViewArguments& arguments, Interruption& interruption) {
   require_pages();
-  require_file(arguments);
   const VolumeFile file = read_volume_input(arguments.volume.path, arguments.volume.read);
   print_warnings(std::cerr, arguments.volume.path, file.source);
   const std::string description = describe_for_page(arguments, file);

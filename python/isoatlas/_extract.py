@@ -225,8 +225,6 @@ def extract(
         "adaptive_supersample": adaptive_supersample,
         "min_component_size": min_component_size,
         "keep_components": keep_components,
-        "keep_near": points("keep_near", keep_near),
-        "drop_near": points("drop_near", drop_near),
         "levels": levels,
         "max_radius": max_radius,
         "covering": covering,
@@ -251,7 +249,12 @@ def extract(
         "min_aspect": min_aspect,
     }
     request = _core.ExtractWords(
-        [("iso", isovalue("iso", iso)), *words(settings)],
+        [
+            ("iso", isovalue("iso", iso)),
+            *words(settings),
+            *points("keep_near", keep_near),
+            *points("drop_near", drop_near),
+        ],
         words(constraints),
         level_words(refine),
         bool(coarse),

@@ -39,17 +39,16 @@ def word(name: str, value: object) -> str:
 
 
 def words(options: Mapping[str, object]) -> Words:
-    """The options that are not None, under their names on the command line; a list repeats one."""
+    """The options that are not None, under their names on the command line."""
     return [
-        (name.replace("_", "-"), word(name, part))
+        (name.replace("_", "-"), word(name, value))
         for name, value in options.items()
-        for part in (value if isinstance(value, list) else [value])
-        if part is not None
+        if value is not None
     ]
 
 
-def points(name: str, value: object) -> list[str]:
-    """Points as texts like ``"1.5,2,3"``.
+def points(name: str, value: object) -> Words:
+    """One option per point, with a text like ``"1.5,2,3"``.
 
     Raises
     ------
@@ -58,6 +57,9 @@ def points(name: str, value: object) -> list[str]:
     """
     if value is None:
         return []
+    option = name.replace("_", "-")
+    if isinstance(value, str):
+        return [(option, value)]
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
@@ -68,7 +70,7 @@ def points(name: str, value: object) -> list[str]:
         raise BadArgumentError(
             f"{name}: expected a point (x, y, z) or a sequence of points, got {value!r}"
         )
-    return [",".join(word(name, number) for number in point) for point in array]
+    return [(option, ",".join(word(name, number) for number in point)) for point in array]
 
 
 def isovalue(name: str, value: object) -> str:

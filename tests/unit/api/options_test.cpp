@@ -237,7 +237,7 @@ TEST(Components, AreKeptAndDroppedNearPoints) {
     options.space = space;
     const Extraction e = extract(volume, options);
     EXPECT_EQ(e.report.kept.size() + e.report.dropped.size(), 3u);
-    EXPECT_EQ(count_manifold(e.mesh()).components, e.report.kept.size());
+    EXPECT_EQ(count_manifold(e.mesh()).components.size(), e.report.kept.size());
     std::vector<int> out;
     for (const RankedComponent& c : e.report.kept)
       out.push_back(static_cast<int>(std::lround(std::log10(c.size))));
