@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// One script and one style sheet, page.js and page.css, which CMake puts into the tool.
+// One script and one style sheet per page, which CMake puts into the tool: page.js and page.css of
+// the report page, view.js and view.css of `isoatlas view`. The mode is the name of the page.
 import {readFileSync} from "node:fs";
 
 import {defineConfig} from "vite";
 
-const licence = (name, file) => {
-  const url = new URL(`node_modules/${name}/${file}`, import.meta.url);
+const ENTRIES = {page: "src/main.ts", view: "src/view/main.ts"};
+const LICENCES = {three: "LICENSE", meshoptimizer: "LICENSE.md"};
+
+const licence = (name) => {
+  const url = new URL(`node_modules/${name}/${LICENCES[name]}`, import.meta.url);
   return `${name}\n\n${readFileSync(url, "utf8").trim()}`;
 };
 
 /**
- * Both licences require their text in every copy. The minifier would drop a comment, so the text is
+ * The licences require their text in every copy. The minifier would drop a comment, so the text is
  * inserted at the start afterwards.
  */
 const notices = {
@@ -19,10 +23,11 @@ const notices = {
   generateBundle(_, bundle) {
     for (const output of Object.values(bundle)) {
       if (output.type !== "chunk") continue;
+      const contains = (name) =>
+        Object.keys(output.modules).some((id) => id.includes(`/node_modules/${name}/`));
       const text = [
         "isoatlas page, SPDX-License-Identifier: Apache-2.0. It contains:",
-        licence("three", "LICENSE"),
-        licence("meshoptimizer", "LICENSE.md"),
+        ...Object.keys(LICENCES).filter(contains).map(licence),
       ].join("\n\n");
       output.code = `/*!\n${text.replaceAll("*/", "* /")}\n*/\n${output.code}`;
       // The script stands inside an HTML page, where these would end it or hide its end.
@@ -33,19 +38,19 @@ const notices = {
   },
 };
 
-export default defineConfig({
+export default defineConfig(({mode}) => ({
   plugins: [notices],
   build: {
     target: "es2022",
     outDir: process.env.ISOATLAS_PAGE_OUT || "dist",
-    emptyOutDir: true,
+    emptyOutDir: mode === "page",
     cssCodeSplit: false,
     lib: {
-      entry: "src/main.ts",
+      entry: ENTRIES[mode] ?? ENTRIES.page,
       formats: ["iife"],
       name: "isoatlasPage",
-      fileName: () => "page.js",
-      cssFileName: "page",
+      fileName: () => `${mode}.js`,
+      cssFileName: mode,
     },
   },
-});
+}));

@@ -35,6 +35,24 @@ CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name
       ->group(group);
 }
 
+/// Adds an option for a point that may be repeated.
+template <class Read>
+void add_points(CLI::App& app, const std::string& name, const std::string& description, Read read) {
+  const auto callback = [read, name](const std::vector<std::string>& texts) {
+    try {
+      for (const std::string& text : texts) read(text);
+    } catch (const Error& error) {
+      throw CLI::ValidationError(name, error.what());
+    }
+  };
+  app.add_option_function<std::vector<std::string>>(name, callback, description)
+      ->type_name("X,Y,Z")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->group(kSurface);
+}
+
 // Formatted by hand, so that the help texts start at the margin and stay readable.
 // clang-format off
 /// Adds the options that choose what to read from a volume file.
@@ -266,6 +284,15 @@ Keep only the N largest components. If the volume boundary cuts a part into seve
 of them are kept. Default: keep all.
 )", [&](const std::string& text) { set(arguments, "keep-components", text); });
 
+  add_points(*command, "--keep-near", R"(
+Keep only the component that is nearest to this point, in the coordinates of the mesh. May be
+repeated. If the volume boundary cuts a part into several components, all of them are kept. Default:
+keep all.
+)", [&](const std::string& text) { set(arguments, "keep-near", text); });
+  add_points(*command, "--drop-near", R"(
+Drop the component that is nearest to this point. May be repeated. Default: drop none.
+)", [&](const std::string& text) { set(arguments, "drop-near", text); });
+
   command->add_flag("--coarse", arguments.coarse, R"(
 Mesh only level 0, the coarsest mesh that preserves the topology. Constraints are checked on level
 0, but not enforced.
@@ -368,6 +395,39 @@ CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
 }
 
 // clang-format off
+CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
+  CLI::App* command =
+      add_command(app, "view", "choose an isovalue by looking, in the browser", view_page());
+  add_volume(*command, arguments.volume);
+  add_value(*command, kSurface, "--iso", "X", R"(
+The first isovalue. Default: the first that `isoatlas info` suggests.
+)", [&](const std::string& text) { arguments.isovalue = parse_finite(text); });
+  add_value(*command, kSurface, "--inside", "SIDE", R"(
+Side of the isovalue that is inside at first: above or below. Default: below for signed distances,
+else above.
+)", [&](const std::string& text) { arguments.inside = parse_inside(text); });
+  command->add_flag("!--no-browser", arguments.opens_browser, R"(
+Only print the address of the page; open no browser.
+)")->group(kRunning);
+  add_value(*command, kRunning, "--port", "N", R"(
+The port of the loopback interface, 1 to 65535. Default: any free one.
+)", [&](const std::string& text) {
+    const auto port = parse_whole<std::uint16_t>(text);
+    if (!port || *port == 0) refuse_value("a whole number from 1 to 65535", text);
+    arguments.port = *port;
+  });
+  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing but the address.")
+      ->group(kRunning);
+  command->parse_complete_callback([command, &arguments] {
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->get_group() != kReading || option->count() == 0) continue;
+      arguments.reading.push_back("--" + option->get_single_name());
+      arguments.reading.push_back(option->results().at(0));
+    }
+  });
+  return command;
+}
+
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments) {
   CLI::App* command =
       add_command(app, "check", "check the topology, shape and distance of a mesh", check_page());

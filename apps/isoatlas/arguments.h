@@ -45,6 +45,16 @@ struct InfoArguments {
   bool json = false;
 };
 
+struct ViewArguments {
+  VolumeArguments volume;
+  std::vector<std::string> reading;  ///< the options of `volume.read` and their values, as typed
+  std::optional<double> isovalue;    ///< the first; none: a suggested one
+  std::optional<Inside> inside;      ///< none: below for distances, else above
+  bool opens_browser = true;
+  int port = 0;  ///< 0: any
+  bool quiet = false;
+};
+
 struct CheckArguments {
   std::filesystem::path mesh;
   std::optional<std::filesystem::path> volume;  ///< the distance to its isosurface is measured
@@ -81,6 +91,7 @@ struct CompletionArguments {
 /// Each function adds one command to `app`. Parsing the command fills `arguments`.
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments);
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments);
+CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments);
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments);
 CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments);
 CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments);

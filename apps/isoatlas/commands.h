@@ -22,6 +22,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption);
 int run_extract(const ExtractArguments& arguments, Interruption& interruption,
                 const RunConsole& console);
 int run_info(const InfoArguments& arguments);
+int run_view(const ViewArguments& arguments, Interruption& interruption);
 int run_check(const CheckArguments& arguments, Interruption& interruption);
 int run_levels(const LevelsArguments& arguments);
 int run_picture(const PictureArguments& arguments, Interruption& interruption);

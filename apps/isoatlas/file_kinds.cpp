@@ -144,7 +144,9 @@ std::string advice_for_file(std::string_view command, const fs::path& path) {
   if (!fs::exists(path, ignored)) return advice_on_missing(path);
   const bool is_of_check = command == "check --volume";
   const FileKind kind = kind_of_file(path);
-  if (command == "extract" || command == "info" || is_of_check)
+  if (command == "view" && kind == FileKind::mesh)
+    return "it is a mesh: isoatlas report makes a page that shows it";
+  if (command == "extract" || command == "info" || command == "view" || is_of_check)
     return advice_on_volume(kind, path, is_of_check);
   return advice_on_mesh(command, kind, path);
 }

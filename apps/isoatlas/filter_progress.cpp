@@ -10,6 +10,16 @@ constexpr double kStep = 0.01;  // smaller steps are not printed
 
 }  // namespace
 
+bool is_filter_line(std::string_view line) {
+  return line.starts_with("<filter-") || line.starts_with("</filter-");
+}
+
+std::optional<std::string> filter_value(std::string_view line, std::string_view element) {
+  const std::string begin = "<" + std::string(element) + ">";
+  if (!line.starts_with(begin)) return std::nullopt;
+  return std::string(line.substr(begin.size(), line.find("</") - begin.size()));
+}
+
 FilterProgress::FilterProgress(std::string name) : name_(std::move(name)) {
   std::printf(
       "<filter-start>\n<filter-name>%s</filter-name>\n"

@@ -11,6 +11,14 @@
 
 namespace isoatlas::detail::tool {
 
+/// As the first word of a command line: `isoatlas extract` shows its progress as FilterProgress.
+inline constexpr const char* kFilterProgressFlag = "--filter-progress";
+
+/// True for a line that FilterProgress prints.
+bool is_filter_line(std::string_view line);
+/// The text of an element in a line of FilterProgress; none if the line does not contain it.
+std::optional<std::string> filter_value(std::string_view line, std::string_view element);
+
 /// Progress as XML elements on standard output, which 3D Slicer and other hosts of command-line
 /// modules read: <filter-start>, <filter-progress>, <filter-comment> (the stage), <filter-end>.
 class FilterProgress : public ProgressDisplay {

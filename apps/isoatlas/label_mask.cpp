@@ -6,9 +6,11 @@
 #include <set>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "field/sample_type.h"
 #include "isoatlas/error.h"
 
 namespace isoatlas::detail::tool {
@@ -19,33 +21,14 @@ constexpr std::size_t kMostListed = 12;
 /// Calls `f` with a span of the samples, if they are integers.
 template <class F>
 void with_integers(const VolumeView& volume, const F& f) {
-  const auto call = [&]<class T>(T /*type*/) {
-    f(std::span(static_cast<const T*>(volume.samples), volume.grid.sample_count()));
-  };
-  switch (volume.type) {
-    case SampleType::int8:
-      return call(std::int8_t{});
-    case SampleType::uint8:
-      return call(std::uint8_t{});
-    case SampleType::int16:
-      return call(std::int16_t{});
-    case SampleType::uint16:
-      return call(std::uint16_t{});
-    case SampleType::int32:
-      return call(std::int32_t{});
-    case SampleType::uint32:
-      return call(std::uint32_t{});
-    case SampleType::int64:
-      return call(std::int64_t{});
-    case SampleType::uint64:
-      return call(std::uint64_t{});
-    case SampleType::float32:
-    case SampleType::float64:
-      break;
-  }
-  throw Error(ErrorCode::unsupported,
-              "the volume has samples of type " + std::string(name(volume.type)) +
-                  ", expected integers: only a label map has labels; use an isovalue");
+  visit_samples(volume, [&]<class T>(std::span<const T> samples) {
+    if constexpr (std::is_integral_v<T>)
+      f(samples);
+    else
+      throw Error(ErrorCode::unsupported,
+                  "the volume has samples of type " + std::string(name(volume.type)) +
+                      ", expected integers: only a label map has labels; use an isovalue");
+  });
 }
 
 /// The smallest labels of the volume: "0, 1, 2" or "0, 1, 2, ...".

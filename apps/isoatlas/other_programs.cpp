@@ -26,9 +26,10 @@ constexpr Synonyms kCommands[] = {
      "polygonize polygonise triangulate "
      "segment threshold export generate create make build run reconstruct stl vtk vol2mesh remesh "
      "simplify decimate"},
-    {"report", "view viewer show open display html page web browse"},
+    {"view", "viewer show open display look browse gui slice slices window"},
+    {"report", "viewer show open display html page web browse"},
     {"picture",
-     "view viewer show open display picture render screenshot plot draw image png snapshot "
+     "viewer show open display picture render screenshot plot draw image png snapshot "
      "thumbnail"},
     {"info",
      "inspect describe header stat stats statistics histogram list ls summary about metadata show "

@@ -59,6 +59,12 @@ const std::string kLevelsExitStatus =
 129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM
 )";
 
+const std::string kViewExitStatus = R"(0    the page was closed, or Ctrl-C
+2    invalid argument or file
+3    an internal check failed, a bug of isoatlas
+4    out of memory, or above --max-memory
+)";
+
 const std::string kVolumeFiles =
     R"(Volumes: NRRD (.nrrd, .nhdr), NIfTI-1 and -2 (.nii, .nii.gz, .hdr, .img),
 MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm,
@@ -191,6 +197,30 @@ coordinates: Left or Right, Posterior or Anterior, Superior or Inferior.
 isoatlas info fuel.raw --raw-size 64,64,64 --raw-type uint8
 )"},
                    {"Exit status", kExitStatus},
+                   {"Files", kVolumeFiles}},
+  };
+}
+
+ManPage::Text view_page() {
+  return {
+      .synopsis = "isoatlas view VOLUME [options]",
+      .description = R"(
+Opens a page in the browser that shows slices of the volume with the isoline, the histogram with the
+isovalue as a handle, and a coarse mesh that follows it. A region of interest, components, bounds
+and levels are chosen there; the page saves the mesh, and shows the command line of
+`isoatlas extract` that does the same.
+
+The address is printed on standard output. It is served on the loopback interface only, with a
+random token: only this machine can open it, and only who knows the address. From another machine,
+forward a port: ssh -L 8000:127.0.0.1:8000, with --port 8000 --no-browser. The page loads nothing
+from a network. Saved meshes go to the browser's downloads. The command ends when the page is
+closed, or with Ctrl-C.
+)",
+      .groups = {kInput, kSurface, kReading, kRunning},
+      .sections = {{"Examples", R"(isoatlas view head.nrrd
+isoatlas view scan/ --series 2 --iso 300.5
+)"},
+                   {"Exit status", kViewExitStatus},
                    {"Files", kVolumeFiles}},
   };
 }

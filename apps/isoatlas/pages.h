@@ -19,6 +19,7 @@ inline constexpr const char* kRunning = "Running";
 ManPage::Text tool_page();
 ManPage::Text extract_page();
 ManPage::Text info_page();
+ManPage::Text view_page();
 ManPage::Text check_page();
 ManPage::Text levels_page();
 ManPage::Text report_page();

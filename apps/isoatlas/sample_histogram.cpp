@@ -9,37 +9,10 @@
 #include <span>
 #include <type_traits>
 
+#include "field/sample_type.h"
+
 namespace isoatlas::detail::tool {
 namespace {
-
-template <class Visitor>
-void visit_samples(const VolumeView& volume, Visitor visit) {
-  const auto as = [&]<class Sample>(Sample) {
-    visit(std::span(static_cast<const Sample*>(volume.samples), volume.grid.sample_count()));
-  };
-  switch (volume.type) {
-    case SampleType::int8:
-      return as(std::int8_t{});
-    case SampleType::uint8:
-      return as(std::uint8_t{});
-    case SampleType::int16:
-      return as(std::int16_t{});
-    case SampleType::uint16:
-      return as(std::uint16_t{});
-    case SampleType::int32:
-      return as(std::int32_t{});
-    case SampleType::uint32:
-      return as(std::uint32_t{});
-    case SampleType::int64:
-      return as(std::int64_t{});
-    case SampleType::uint64:
-      return as(std::uint64_t{});
-    case SampleType::float32:
-      return as(float{});
-    case SampleType::float64:
-      return as(double{});
-  }
-}
 
 bool is_integer(SampleType type) {
   return type != SampleType::float32 && type != SampleType::float64;

@@ -17,6 +17,7 @@
 #include "error_text.h"
 #include "exit_status.h"
 #include "file_kinds.h"
+#include "filter_progress.h"
 #include "interruption.h"
 #include "isoatlas/error.h"
 #include "slicer_module.h"
@@ -125,6 +126,7 @@ int run_tool(int argc, char** argv) {
   describe_tool(app);
   ExtractArguments extract_arguments;
   InfoArguments info_arguments;
+  ViewArguments view_arguments;
   CheckArguments check_arguments;
   LevelsArguments levels_arguments;
   ReportArguments report_arguments;
@@ -132,13 +134,17 @@ int run_tool(int argc, char** argv) {
   CompletionArguments completion_arguments;
   const CLI::App* extract_command = add_extract_command(app, extract_arguments);
   const CLI::App* info_command = add_info_command(app, info_arguments);
+  const CLI::App* view_command = add_view_command(app, view_arguments);
   add_check_command(app, check_arguments);
   const CLI::App* levels_command = add_levels_command(app, levels_arguments);
   const CLI::App* report_command = add_report_command(app, report_arguments);
   const CLI::App* picture_command = add_picture_command(app, picture_arguments);
   const CLI::App* completion_command = add_completion_command(app, completion_arguments);
 
-  std::vector<std::string> words = in_standard_form(app, {argv + 1, argv + argc});
+  std::vector<std::string> typed(argv + 1, argv + argc);
+  const bool shows_filter_progress = !typed.empty() && typed[0] == kFilterProgressFlag;
+  if (shows_filter_progress) typed.erase(typed.begin());
+  std::vector<std::string> words = in_standard_form(app, typed);
   if (words.empty()) {
     std::cerr << usage(app);
     return kBadInput;
@@ -153,17 +159,25 @@ int run_tool(int argc, char** argv) {
     std::cout.flush();
     return std::cout ? status : fail(kBadInput, "cannot write to standard output");
   } catch (const CLI::ParseError& error) {
-    return fail(kBadInput, error.what() + see_help(app, {argv + 1, argv + argc}));
+    return fail(kBadInput, error.what() + see_help(app, typed));
   }
-  extract_arguments.command = command_text({argv + 1, argv + argc});
+  extract_arguments.command = command_text(typed);
   const auto run_on = [&](const std::function<int()>& command, const std::vector<Input>& inputs) {
     return run(command, interruption, inputs);
   };
   if (extract_command->parsed())
-    return run_on([&] { return run_extract(extract_arguments, interruption); },
-                  {{"extract", extract_arguments.volume.path}});
+    return run_on(
+        [&] {
+          if (!shows_filter_progress) return run_extract(extract_arguments, interruption);
+          FilterProgress progress("isoatlas");
+          return run_extract(extract_arguments, interruption, {progress, std::cerr});
+        },
+        {{"extract", extract_arguments.volume.path}});
   if (info_command->parsed())
     return run_on([&] { return run_info(info_arguments); }, {{"info", info_arguments.volume.path}});
+  if (view_command->parsed())
+    return run_on([&] { return run_view(view_arguments, interruption); },
+                  {{"view", view_arguments.volume.path}});
   if (levels_command->parsed())
     return run_on([&] { return run_levels(levels_arguments); },
                   {{"levels", levels_arguments.file}});

@@ -43,6 +43,15 @@ struct ComponentChoice {
   double min_size = 0;  ///< drop components of a smaller size, world units cubed
   /// Keep only this number of largest parts (ties: first in scan order); 0 keeps all.
   std::size_t keep_largest = 0;
+  /// Keep only the parts of the components nearest to these points, in the coordinates of the mesh
+  /// (ExtractOptions::space); empty keeps all.
+  std::vector<Vec3> keep_near{};
+  std::vector<Vec3> drop_near{};  ///< drop the parts of the components nearest to these points
+
+  /// True if any component can be dropped.
+  bool selects() const {
+    return min_size > 0 || keep_largest > 0 || !keep_near.empty() || !drop_near.empty();
+  }
 };
 
 /// What a mesh does where the volume boundary cuts the surface.

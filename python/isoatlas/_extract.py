@@ -9,7 +9,7 @@ from . import _core
 from ._mesh import Mesh
 from ._progress import ProgressLike, progress_callback
 from ._volume import Order, Volume, core_volume, states_order
-from ._words import Length, Number, Refine, isovalue, words
+from ._words import Length, Number, Refine, isovalue, points, words
 from ._words import levels as level_words
 
 Side = Literal["above", "below"]
@@ -31,6 +31,8 @@ def extract(
     adaptive_supersample: int = 6,
     min_component_size: Length | None = None,
     keep_components: int | None = None,
+    keep_near: npt.ArrayLike | None = None,
+    drop_near: npt.ArrayLike | None = None,
     coarse: bool = False,
     levels: int | None = None,
     refine: Refine | None = None,
@@ -116,6 +118,10 @@ def extract(
         dropped components are listed in ``report["dropped"]``.
     keep_components : int, optional
         Keep only this number of largest components.
+    keep_near, drop_near : (3,) or (n, 3) array_like, optional
+        Points in the coordinates of the mesh (``space``). Keep only, or drop, the components that
+        are nearest to them. If the volume boundary cuts a part into several components, all of them
+        are kept or dropped.
     coarse : bool
         Return only level 0, the coarsest mesh that preserves the topology.
     levels : int, 1 to 16, optional
@@ -243,7 +249,12 @@ def extract(
         "min_aspect": min_aspect,
     }
     request = _core.ExtractWords(
-        [("iso", isovalue("iso", iso)), *words(settings)],
+        [
+            ("iso", isovalue("iso", iso)),
+            *words(settings),
+            *points("keep_near", keep_near),
+            *points("drop_near", drop_near),
+        ],
         words(constraints),
         level_words(refine),
         bool(coarse),

@@ -47,6 +47,32 @@ def words(options: Mapping[str, object]) -> Words:
     ]
 
 
+def points(name: str, value: object) -> Words:
+    """One option per point, with a text like ``"1.5,2,3"``.
+
+    Raises
+    ------
+    BadArgumentError
+        ``value`` is not one point or a sequence of points.
+    """
+    if value is None:
+        return []
+    option = name.replace("_", "-")
+    if isinstance(value, str):
+        return [(option, value)]
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim == 1:
+        array = array[np.newaxis]
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise BadArgumentError(
+            f"{name}: expected a point (x, y, z) or a sequence of points, got {value!r}"
+        )
+    return [(option, ",".join(word(name, number) for number in point)) for point in array]
+
+
 def isovalue(name: str, value: object) -> str:
     """The isovalue as text.
 

@@ -60,7 +60,7 @@ ISOATLAS_FIELDS(ExtractReport, c_vertices, faces, double_segments, tunnels, coar
                 max_subdivision_depth, coarsening, levels, seconds, total_seconds)
 
 ISOATLAS_FIELDS(SurfaceOptions, isovalue, inside, non_finite, topology, interpolation)
-ISOATLAS_FIELDS(ComponentChoice, min_size, keep_largest)
+ISOATLAS_FIELDS(ComponentChoice, min_size, keep_largest, keep_near, drop_near)
 ISOATLAS_FIELDS(Length, value, in_voxels)
 ISOATLAS_FIELDS(CoveringChoice, strategy, max_radius, event_persistence)
 ISOATLAS_FIELDS(ExtractOptions, surface, supersample, adaptive_supersample, vertices_on_surface,

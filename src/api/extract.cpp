@@ -116,10 +116,6 @@ float default_persistence(CoveringStrategy strategy) {
   return strategy == CoveringStrategy::halving ? 0.0f : 1.5f;
 }
 
-bool chooses_components(const ExtractOptions& options) {
-  return options.components.min_size > 0 || options.components.keep_largest > 0;
-}
-
 // Whether some component of the closed surface is not part of the open one: it is the whole surface
 // of the volume's box.
 bool contains_whole_box(const Components& parts, std::span<const std::uint32_t> part_of) {
@@ -149,7 +145,7 @@ std::optional<CapReference> choose_and_cap(SurfaceComplex& whole, Components& co
                                          : component_sizes(whole, components, whole, components);
   control.check_cancelled();
   std::vector<std::uint8_t> is_dropped;
-  if (chooses_components(options)) {
+  if (options.components.selects()) {
     if (is_closed && contains_whole_box(parts, sizes.part_of))
       throw Error(ErrorCode::unsupported,
                   "the whole volume boundary is inside, so the largest component is the surface of "
@@ -160,7 +156,7 @@ std::optional<CapReference> choose_and_cap(SurfaceComplex& whole, Components& co
     is_dropped = std::move(chosen.is_dropped);
     if (whole.faces.empty()) {
       throw Error(ErrorCode::empty_surface,
-                  "every component is smaller than the minimum size: the largest has a size of " +
+                  "every component is dropped: the largest has a size of " +
                       std::to_string(report.dropped.front().size) + " cubic units");
     }
     control.check_cancelled();
@@ -242,7 +238,7 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   nodes = {};
   control.check_cancelled();
   std::optional<CapReference> caps;
-  if (chooses_components(options) || options.border == Border::closed) {
+  if (options.components.selects() || options.border == Border::closed) {
     caps = choose_and_cap(whole, reference, nesting, in_voxels, parse, volume, options, report,
                           control);
   }

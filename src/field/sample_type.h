@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "isoatlas/error.h"
 #include "isoatlas/volume.h"
@@ -35,6 +36,14 @@ decltype(auto) visit_sample_type(SampleType type, F&& f) {
       return f(static_cast<const double*>(nullptr));
   }
   throw Error(ErrorCode::bad_argument, "unknown sample type");
+}
+
+/// Calls f with a span of the samples of a dense volume, in their own type.
+template <class F>
+void visit_samples(const VolumeView& volume, F&& f) {
+  visit_sample_type(volume.type, [&]<class T>(const T*) {
+    f(std::span<const T>(static_cast<const T*>(volume.samples), volume.grid.sample_count()));
+  });
 }
 
 }  // namespace isoatlas::detail

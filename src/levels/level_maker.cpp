@@ -67,7 +67,7 @@ struct CornersInside {
 };
 
 bool is_complete(const ExtractOptions& options) {
-  return options.components.min_size == 0 && options.components.keep_largest == 0 &&
+  return !options.components.selects() &&
          options.surface.interpolation == Interpolation::trilinear;
 }
 

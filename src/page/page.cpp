@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <vector>
 
 #include "isoatlas/error.h"
@@ -50,6 +51,27 @@ std::string in_script(const Json& json) {
   return out;
 }
 
+// The start of a page, up to the content of its body.
+std::string beginning(const std::string& title, std::string_view style) {
+  std::string out =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"generator\" content=\"isoatlas " ISOATLAS_VERSION "\">\n<title>";
+  out += in_html(title);
+  out += "</title>\n<style>\n";
+  out += style;
+  out += "\n</style>\n</head>\n<body>\n";
+  return out;
+}
+
+// The end of a page, with its script.
+std::string ending(std::string_view script) {
+  std::string out = "<script>\n";
+  out += script;
+  out += "\n</script>\n</body>\n</html>\n";
+  return out;
+}
+
 }  // namespace
 
 void require_pages() {
@@ -69,25 +91,25 @@ std::string page_html(std::span<const PageEntry> entries, const std::filesystem:
     title += (title.empty() ? "" : ", ") + result["title"].get<std::string>();
     results.push_back(std::move(result));
   }
-  std::string out =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"generator\" content=\"isoatlas " ISOATLAS_VERSION "\">\n<title>";
-  out += in_html(title);
-  out += " - isoatlas</title>\n<style>\n";
-  out += page::style();
+  std::string out = beginning(title + " - isoatlas", page::style());
   out +=
-      "\n</style>\n</head>\n<body>\n<noscript>This page shows meshes in 3-D and needs JavaScript. "
-      "It loads nothing from "
+      "<noscript>This page shows meshes in 3-D and needs JavaScript. It loads nothing from "
       "anywhere.</noscript>\n"
       "<script type=\"application/json\" id=\"isoatlas-data\">";
   out += in_script(json);
   out += "</script>\n<script type=\"text/plain\" id=\"isoatlas-geometry\">";
   out += base64(geometry);
-  out += "</script>\n<script>\n";
-  out += page::script();
-  out += "\n</script>\n</body>\n</html>\n";
+  out += "</script>\n";
+  out += ending(page::script());
   return out;
+}
+
+std::string view_html() {
+  require_pages();
+  return beginning("isoatlas view", page::view_style()) +
+         "<noscript>This page shows a volume and its isosurfaces, and needs "
+         "JavaScript.</noscript>\n" +
+         ending(page::view_script());
 }
 
 }  // namespace isoatlas::detail

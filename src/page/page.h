@@ -70,4 +70,9 @@ void require_pages();
 /// @cost  O(V + T log T) per level and grid, with at most three grids
 std::string page_html(std::span<const PageEntry> entries, const std::filesystem::path& path);
 
+/// The page of `isoatlas view`, with its script and style inside. It contains no data: the script
+/// fetches "volume" relative to the address of the page, and what the server offers from there.
+/// @throws Error(unsupported) as require_pages()
+std::string view_html();
+
 }  // namespace isoatlas::detail

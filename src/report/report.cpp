@@ -76,6 +76,12 @@ Json length_value(const std::optional<Length>& length) {
   return length ? Json(length->value) : Json();
 }
 
+Json points_value(const std::vector<Vec3>& points) {
+  Json out = Json::array();
+  for (const Vec3& point : points) out.push_back(to_value(point));
+  return out;
+}
+
 Json path_value(const std::string& path) { return path.empty() ? Json() : Json(path); }
 
 /// The constraints of each refined level.
@@ -192,6 +198,8 @@ Json parameters_value(const ExtractOptions& options, const ExtractReport& report
           {"event_persistence", length_value(options.covering.event_persistence)},
           {"min_component_size", options.components.min_size},
           {"keep_components", options.components.keep_largest},
+          {"keep_near", points_value(options.components.keep_near)},
+          {"drop_near", points_value(options.components.drop_near)},
           {"vertices_on_surface", options.vertices_on_surface},
           {"coarse", to_value(options.coarse)},
           {"levels", options.levels},

@@ -27,6 +27,12 @@ std::size_t parse_samples(std::string_view text) {
 
 }  // namespace
 
+Vec3 parse_point(std::string_view text) {
+  const auto [x, y, z] = parse_triple<double>(text, "three numbers like 12.5,-3,40",
+                                              [](double v) { return std::isfinite(v); });
+  return {x, y, z};
+}
+
 TypedLength parse_length(std::string_view text) {
   const auto length = length_of(text);
   if (!length) refuse_fraction("a length like 3vx, 2.5mm or 2.5", text);
@@ -113,6 +119,10 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
     const auto count = parse_whole<std::size_t>(text);
     if (!count || *count == 0) refuse_value("a whole number, 1 or more", text);
     options.components.keep_largest = *count;
+  } else if (name == "keep-near") {
+    options.components.keep_near.push_back(parse_point(text));
+  } else if (name == "drop-near") {
+    options.components.drop_near.push_back(parse_point(text));
   } else if (name == "max-radius") {
     settings.max_radius = parse_length(text);
     if (settings.max_radius->value == 0) refuse_fraction("a length above 0", text);

@@ -44,6 +44,7 @@ ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid);
 
 // Each throws Error(bad_argument).
 TypedLength parse_length(std::string_view text);  ///< 0 or more
+Vec3 parse_point(std::string_view text);          ///< three numbers
 int parse_threads(std::string_view text);         ///< 0 or more
 /// Three positive numbers, and the unit after the last number or `unknown`.
 std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text);

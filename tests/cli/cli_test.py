@@ -206,8 +206,10 @@ class Help(ToolTest):
         "--area-curvature --area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
         "--min-vertices --min-edge --max-edge --min-aspect --border --placement --glb-per-level "
         "--measure --measure-samples --min-component-size --keep-components "
+        "--keep-near --drop-near "
         "--interpolation --supersample --adaptive-supersample "
         "--allow-self-intersections --strict --html", "info": "--json -h --help " + READING,
+        "view": "--iso --inside --no-browser --port -q --quiet -h --help " + READING,
         "check": "--json --self-intersections --volume --iso --inside --topology --nan "
         "--interpolation --space --samples -h --help " + READING, "levels": "--json -h --help",
         "report": "-o --output -q --quiet -h --help",
@@ -1208,7 +1210,9 @@ class BadArguments(ToolTest):
                 "--iso": ["nan", "inf", "-inf", "", "1,5", "0x", "ten",
                           "1e999"], "--min-component-size": [
                               "-1", "2.5mm", "vx", "ten", "inf", "", "1e999"
-                          ], "--keep-components": ["0", "-1", "1.5", "all", ""], "--max-radius": [
+                          ], "--keep-components": ["0", "-1", "1.5", "all", ""], "--keep-near": [
+                              "1,2", "1,2,3,4", "1,2,x", "1,2,nan", ""
+                          ], "--drop-near": ["1 2 3", ""], "--max-radius": [
                               "0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "",
                               "2.5 px", "1e999"
                           ], "--event-persistence": ["-1", "abc", "3px", "infvx"], "--covering": [

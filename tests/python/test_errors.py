@@ -50,7 +50,8 @@ OPTIONS = [
     ("inside", "up"), ("topology", "x"), ("interpolation", "linear"), ("nan", "refuse"),
     ("space", "LPI"), ("covering", "radius"), ("placement", "up"), ("supersample", 0),
     ("supersample", 1.5), ("adaptive_supersample", 9), ("adaptive_supersample", -1),
-    ("min_component_size", "3cm"), ("keep_components", 0), ("max_radius", 0),
+    ("min_component_size", "3cm"), ("keep_components", 0), ("keep_near", "1,x,3"),
+    ("drop_near", "1,2,nan"), ("max_radius", 0),
     ("max_radius", "1e999"), ("event_persistence", "-1vx"), ("measure_samples", 0),
     ("threads", -1), ("max_distance", 0), ("max_distance", "3 px"), ("mean_distance", float("nan")),
     ("area_curvature", 1), ("area_curvature_smooth", 0.5), ("geodesic_ratio", float("inf")),
@@ -205,6 +206,14 @@ def test_sheared_direction_is_unsupported():
     assert isinstance(error, isoatlas.UnsupportedError)
     mesh = isoatlas.extract(torus(), 0.0, direction=sheared, order="ijk", coarse=True)
     assert len(mesh.faces) > 0
+
+
+def test_points():
+    for points in ((1, 2), [[1, 2]], 3, [[(1, 2, 3)]], {"x": 1}, (1, 2, "x")):
+        with pytest.raises(isoatlas.BadArgumentError, match="keep_near: expected a point"):
+            isoatlas.extract(torus(), 0.0, keep_near=points)
+    with pytest.raises(isoatlas.BadArgumentError, match="drop_near: .* got '1,2,nan'"):
+        isoatlas.extract(torus(), 0.0, drop_near=(1, 2, float("nan")))
 
 
 def test_wrong_types_are_type_errors():

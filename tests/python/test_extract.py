@@ -87,6 +87,7 @@ def test_each_option_reaches_the_library():
     mesh = isoatlas.extract(
         torus(), -0.25, inside="below", nan="above", topology="faces", interpolation="tricubic",
         supersample=2, adaptive_supersample=1, min_component_size="2vx", keep_components=1,
+        keep_near=[(1, 2, 3), (4, 5, 6.5)],
         max_radius="4vx", covering="halving", event_persistence=0.5, placement="balanced",
         space="voxel", measure_samples=1000, threads=1, allow_self_intersections=True,
         spacing=(0.5, 1, 2), order="ijk", max_distance=0.5, mean_distance=0.4, area_curvature=1.5,
@@ -98,6 +99,7 @@ def test_each_option_reaches_the_library():
         "interpolation": "tricubic", "supersample": 2,
         "adaptive_supersample": 1, "space": "voxel", "max_radius": 2.0, "covering": "halving",
         "event_persistence": 0.5, "min_component_size": 2.0, "keep_components": 1,
+        "keep_near": [[1, 2, 3], [4, 5, 6.5]], "drop_near": [],
         "placement": "balanced", "allow_self_intersections": True, "measure_samples": 1000,
         "threads": 1, "coarse": [],
     }  # fmt: skip

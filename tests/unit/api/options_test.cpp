@@ -215,12 +215,57 @@ TEST(Components, SmallOnesAreDroppedAndListed) {
 
   ExtractOptions all = coarse_options();
   all.components.min_size = 1e5;
-  expect_error(ErrorCode::empty_surface, {"every component is smaller", "the largest"}, volume,
+  expect_error(ErrorCode::empty_surface, {"every component is dropped", "the largest"}, volume,
                all);
   for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     all.components.min_size = bad;
     expect_error(ErrorCode::bad_argument, {"smallest component"}, volume, all);
   }
+}
+
+// The same balls; points are in the coordinates of the mesh, and need not be on a ball.
+TEST(Components, AreKeptAndDroppedNearPoints) {
+  const Function balls = unite(unite(sphere({8.3, 8.4, 8.6}, 6), sphere({20.4, 8.5, 8.3}, 3)),
+                               sphere({28.4, 8.5, 8.3}, 1.5));
+  const Volume volume = to_volume(sampled({32, 18, 18}, balls), SampleType::int32, {2, 2, 2});
+  const Vec3 large{16, 16, 16}, middle{41, 25, 16}, small{60, 17, 17};  // world coordinates
+  using Points = std::vector<Vec3>;
+  const auto kept_sizes = [&](const Points& keep, const Points& drop, Space space,
+                              std::size_t keep_largest = 0) {
+    ExtractOptions options = coarse_options();
+    options.components = {.keep_largest = keep_largest, .keep_near = keep, .drop_near = drop};
+    options.space = space;
+    const Extraction e = extract(volume, options);
+    EXPECT_EQ(e.report.kept.size() + e.report.dropped.size(), 3u);
+    EXPECT_EQ(count_manifold(e.mesh()).components.size(), e.report.kept.size());
+    std::vector<int> out;
+    for (const RankedComponent& c : e.report.kept)
+      out.push_back(static_cast<int>(std::lround(std::log10(c.size))));
+    return out;
+  };
+  using Sizes = std::vector<int>;
+  EXPECT_EQ(kept_sizes({middle}, {}, Space::lps), (Sizes{3}));
+  EXPECT_EQ(kept_sizes({small, large, large}, {}, Space::lps), (Sizes{4, 2}));
+  EXPECT_EQ(kept_sizes({}, {middle}, Space::lps), (Sizes{4, 2}));
+  EXPECT_EQ(kept_sizes({large, middle}, {middle}, Space::lps), (Sizes{4}));
+  EXPECT_EQ(kept_sizes({}, {large}, Space::lps, 2), (Sizes{3})) << "of the two largest";
+  EXPECT_EQ(kept_sizes({{-41, -25, 16}}, {}, Space::ras), (Sizes{3}));
+  EXPECT_EQ(kept_sizes({{28, 8, 8}}, {}, Space::voxel), (Sizes{2}));
+  ExtractOptions none = coarse_options();
+  none.components.keep_near = none.components.drop_near = {large};
+  expect_error(ErrorCode::empty_surface, {"every component is dropped"}, volume, none);
+}
+
+// What the cap connects is one part.
+TEST(Components, NearAPointAreKeptTogetherWithTheirPart) {
+  Samples samples = sampled({20, 20, 40}, sphere({9.5, 9.5, 12}, 7));
+  for (std::size_t i = 0; i < 20 * 20 * 3; ++i)
+    samples.at(i % 20, i / 20 % 20, 30 + i / 400) = 1000;
+  ExtractOptions options = coarse_options();
+  options.components.keep_near = {{9, 9, 34}};
+  const Extraction e = extract(to_volume(samples), options);
+  EXPECT_EQ(e.report.kept.size(), 2u) << "both sides of the slab";
+  EXPECT_EQ(e.report.dropped.size(), 1u);
 }
 
 // Lengths use the spacing, which on a sheared grid does not give world lengths.
