@@ -43,8 +43,25 @@ export class Camera {
 
   constructor(private readonly changed: () => void) {}
 
-  /** Sets the home view. @param positions of the mesh, around 0 */
+  /** Sets the home view and shows it. @param positions of the mesh, around 0 */
   setHome(positions: Float32Array): void {
+    this.frame(positions);
+    this.set(this.home);
+  }
+
+  /**
+   * Sets the home view of another mesh. The picture stays as it is, apart from the mesh.
+   * @param moved the old origin of positions relative to the new one
+   */
+  changeHome(positions: Float32Array, moved: Vector3): void {
+    const before = this.scale;
+    this.frame(positions);
+    this.pose.zoom *= before / this.scale;
+    this.pose.target.add(moved);
+    this.stop();
+  }
+
+  private frame(positions: Float32Array): void {
     this.framed = positions;
     let farthest = 0;
     for (let i = 0; i < positions.length; i += 3) {
@@ -56,7 +73,6 @@ export class Camera {
     const {target, extent} = this.outline(rotation);
     this.extent = extent;
     this.home = {target, rotation, zoom: 1};
-    this.set(this.home);
   }
 
   /** The outline of what is framed in a view: half its size, and its centre. */

@@ -9,6 +9,13 @@ import type {Orientation} from "./orientation";
 
 const px = (value: number): string => value.toFixed(1);
 
+/** The longest round length of at most this number of pixels. @param scale pixels per length */
+export function scaleLength(scale: number, pixels: number): number {
+  const most = pixels / scale;
+  const power = 10 ** Math.floor(Math.log10(most));
+  return [5, 2, 1].map((step) => step * power).find((step) => step <= most) ?? power;
+}
+
 export class Overlay {
   readonly svg = drawn("svg", {class: "overlay", "aria-hidden": "true"});
   worst: Worst | null = null;
@@ -22,7 +29,10 @@ export class Overlay {
   split = false;
   unit = "";
   orientation: Orientation | null = null;
+  /** Closed lines relative to the centre of the mesh, with their classes in the style sheet. */
+  outlines: {points: Vector3[]; name: string}[] = [];
   private readonly divider = drawn("line", {class: "divider"});
+  private readonly lines = drawn("g", {class: "outlines"});
   private readonly mark = drawn("g", {class: "mark"});
   private readonly ruler = drawn("g", {class: "ruler"});
   private readonly axes = drawn("g", {class: "axes"});
@@ -30,17 +40,31 @@ export class Overlay {
   private readonly length = drawn("text", {class: "scale-text", "text-anchor": "end"});
 
   constructor() {
-    this.svg.append(this.divider, this.mark, this.ruler, this.axes, this.bar, this.length);
+    this.svg.append(
+      this.divider, this.lines, this.mark, this.ruler, this.axes, this.bar, this.length,
+    );
   }
 
   update(camera: Camera, width: number, height: number): void {
     this.divider.setAttribute("visibility", this.split ? "visible" : "hidden");
     const ends = [["x1", width / 2], ["x2", width / 2], ["y1", 0], ["y2", height]] as const;
     for (const [name, value] of ends) this.divider.setAttribute(name, `${value}`);
+    this.showOutlines(camera);
     this.showWorst(camera);
     this.showRuler(camera, width, height);
     this.showAxes(camera, width, height);
     this.showScale(camera, width, height);
+  }
+
+  private showOutlines(camera: Camera): void {
+    this.lines.replaceChildren(
+      ...this.outlines.map(({points, name}) =>
+        drawn("polygon", {
+          class: name,
+          points: points.map((point) => camera.project(point).map(px).join(",")).join(" "),
+        }),
+      ),
+    );
   }
 
   private showWorst(camera: Camera): void {
@@ -116,9 +140,7 @@ export class Overlay {
   }
 
   private showScale(camera: Camera, width: number, height: number): void {
-    const most = Math.min(140, width / 3) / camera.scale;
-    const power = 10 ** Math.floor(Math.log10(most));
-    const length = [5, 2, 1].map((step) => step * power).find((step) => step <= most) ?? power;
+    const length = scaleLength(camera.scale, Math.min(140, width / 3));
     const [right, y, pixels] = [width - 16, height - 14, length * camera.scale];
     this.bar.setAttribute(
       "d",

@@ -128,12 +128,16 @@ export class Scene {
     canvas.addEventListener("webglcontextrestored", () => this.draw());
   }
 
-  /** Shows another mesh, in the home view of its finest level. */
-  show(mesh: Mesh, shapes: LevelShape[]): void {
+  /**
+   * Shows another mesh, in the home view of its finest level.
+   * @param keepsView whether the view stays as it is, if there is one
+   */
+  show(mesh: Mesh, shapes: LevelShape[], keepsView = false): void {
     for (const old of this.prepared) {
       old?.geometry.dispose();
       old?.closing.dispose();
     }
+    const before = keepsView ? (this.mesh as Mesh | undefined) : undefined;
     this.mesh = mesh;
     this.shapes = shapes;
     this.prepared = [];
@@ -142,7 +146,8 @@ export class Scene {
     const finest = mesh.levels[mesh.levels.length - 1];
     this.facesInward = enclosedVolume(finest.positions, finest.triangles) < 0;
     this.material.uniforms.facesInward.value = this.facesInward;
-    this.camera.setHome(mesh.levels[mesh.levels.length - 1].positions);
+    if (before) this.camera.changeHome(finest.positions, fromTo(mesh.centre, before.centre));
+    else this.camera.setHome(finest.positions);
   }
 
   /** @returns the legend of the colours */
@@ -232,6 +237,7 @@ export class Scene {
 
   /** What is visible at pixel (x, y); null: the background. */
   pick(x: number, y: number): Picked | null {
+    if (!this.mesh) return null;
     const {positions, triangles} = this.mesh.levels[this.level];
     const {of} = this.shapes[this.level].components();
     const {from, along} = this.camera.rayAt(x, y);
@@ -466,6 +472,9 @@ function perCorner(values: Uint8Array): Uint8Array {
   }
   return out;
 }
+
+const fromTo = (from: Triple, to: Triple): Vector3 =>
+  new Vector3(...to).sub(new Vector3(...from));
 
 /** A point in the coordinates of the file. */
 export function toFile(point: Vector3, centre: Triple): Triple {
