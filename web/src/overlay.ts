@@ -29,10 +29,7 @@ export class Overlay {
   split = false;
   unit = "";
   orientation: Orientation | null = null;
-  /** Closed lines relative to the centre of the mesh, with their classes in the style sheet. */
-  outlines: {points: Vector3[]; name: string}[] = [];
   private readonly divider = drawn("line", {class: "divider"});
-  private readonly lines = drawn("g", {class: "outlines"});
   private readonly mark = drawn("g", {class: "mark"});
   private readonly ruler = drawn("g", {class: "ruler"});
   private readonly axes = drawn("g", {class: "axes"});
@@ -40,31 +37,17 @@ export class Overlay {
   private readonly length = drawn("text", {class: "scale-text", "text-anchor": "end"});
 
   constructor() {
-    this.svg.append(
-      this.divider, this.lines, this.mark, this.ruler, this.axes, this.bar, this.length,
-    );
+    this.svg.append(this.divider, this.mark, this.ruler, this.axes, this.bar, this.length);
   }
 
   update(camera: Camera, width: number, height: number): void {
     this.divider.setAttribute("visibility", this.split ? "visible" : "hidden");
     const ends = [["x1", width / 2], ["x2", width / 2], ["y1", 0], ["y2", height]] as const;
     for (const [name, value] of ends) this.divider.setAttribute(name, `${value}`);
-    this.showOutlines(camera);
     this.showWorst(camera);
     this.showRuler(camera, width, height);
     this.showAxes(camera, width, height);
     this.showScale(camera, width, height);
-  }
-
-  private showOutlines(camera: Camera): void {
-    this.lines.replaceChildren(
-      ...this.outlines.map(({points, name}) =>
-        drawn("polygon", {
-          class: name,
-          points: points.map((point) => camera.project(point).map(px).join(",")).join(" "),
-        }),
-      ),
-    );
   }
 
   private showWorst(camera: Camera): void {

@@ -19,6 +19,7 @@ import {Caps, closingFans} from "./caps";
 import {colour, type Colouring, type Colours, type Legend} from "./colours";
 import type {Mesh, Triple} from "./data";
 import type {LevelShape, Worst} from "./level_shape";
+import {Outlines, type Outline} from "./outlines";
 import {firstHit, isHidden, type Span} from "./rays";
 import {FRAGMENT, VERTEX} from "./shaders";
 import {enclosedVolume, vertexNormals} from "./shape";
@@ -74,6 +75,7 @@ export class Scene {
   private prepared: (Prepared | undefined)[] = [];
   private style: Style = "smooth";
   private readonly caps: Caps;
+  private readonly outlines = new Outlines();
   private level = 0;
   private facesInward = false;
   private closed = false;
@@ -119,7 +121,7 @@ export class Scene {
     });
     this.surface = new Solid(new BufferGeometry(), this.material);
     this.surface.frustumCulled = false;
-    this.world.add(this.surface);
+    this.world.add(this.surface, this.outlines.lines);
     const {cutAt, cutSide} = this.material.uniforms;
     this.caps = new Caps({at: cutAt.value as Vector3, side: cutSide.value as Vector3});
     this.camera = new Camera(() => this.draw());
@@ -287,6 +289,12 @@ export class Scene {
 
   private cutPosition(axis: number): number {
     return (2 * this.cuts[axis].share - 1) * this.mesh.half[axis];
+  }
+
+  /** Draws closed lines around the mesh, in place of the previous ones. */
+  setOutlines(outlines: Outline[]): void {
+    this.outlines.set(outlines);
+    this.camera.setReach(this.outlines.reach);
   }
 
   cut(axis: number, cut: Cut): void {

@@ -114,8 +114,8 @@ export class IsovalueControl {
     return {isovalue: this.value, inside: this.inside, nan: this.nanSide.value(), offset};
   }
 
-  /** Shows why there is no mesh at this isovalue. */
-  setProblem(text: string): void {
+  /** Shows why what was typed is no isovalue. */
+  private setProblem(text: string): void {
     if (this.problem.textContent !== text) this.problem.textContent = text;
     this.field.setAttribute("aria-invalid", `${text !== ""}`);
   }

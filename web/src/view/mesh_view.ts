@@ -15,7 +15,8 @@ import {LevelShape} from "../level_shape";
 import {orientationIn, type Side as ViewedSide} from "../orientation";
 import {Overlay} from "../overlay";
 import {contextOf, Scene, toFile, type Style} from "../scene";
-import {AXES, type Grid} from "./grid";
+import type {Outline} from "../outlines";
+import type {Grid} from "./grid";
 import type {MeshFollower, Shown} from "./mesh_follower";
 import type {Region} from "./region";
 
@@ -344,9 +345,10 @@ export class MeshView {
 
   /** Draws the positions of the slices and the region. */
   updateOutlines(): void {
-    const {mesh, grid, region} = this;
-    this.overlay.outlines = [];
-    if (!mesh) return;
+    const {mesh, grid, region, scene} = this;
+    if (!mesh || !scene) return;
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name: string): string => style.getPropertyValue(name).trim();
     const toScene = (sample: Triple): Vector3 =>
       new Vector3(...grid.world(sample)).sub(new Vector3(...mesh.centre));
     const rectangle = (axis: number, index: number): Vector3[] => {
@@ -358,18 +360,18 @@ export class MeshView {
         return toScene(sample);
       });
     };
+    const outlines: Outline[] = [];
     if (this.showsSlices) {
       this.position().forEach((index, axis) =>
-        this.overlay.outlines.push({points: rectangle(axis, index), name: `of-slice ${AXES[axis]}`}),
+        outlines.push({points: rectangle(axis, index), colour: colour("--edge-of-field")}),
       );
     }
     if (!region.isWhole) {
-      for (const index of region.ends[2])
-        this.overlay.outlines.push({points: rectangle(2, index), name: "of-region"});
-      for (const index of region.ends[0])
-        this.overlay.outlines.push({points: rectangle(0, index), name: "of-region"});
+      for (const axis of [0, 2])
+        for (const index of region.ends[axis])
+          outlines.push({points: rectangle(axis, index), colour: colour("--warn")});
     }
-    this.drawOverlay();
+    scene.setOutlines(outlines);
   }
 
   private drawOverlay(): void {

@@ -449,7 +449,7 @@ export class SliceView {
       stepY: 1 / stepY,
     };
     const {range, rule, colours} = this.shared;
-    const smooth = Math.max(...this.steps.map(Math.abs)) < PIXELATED;
+    const smooth = Math.min(...this.steps.map(Math.abs)) < PIXELATED;
     const into = new Uint32Array(this.image.data.buffer);
     paint(into, width, height, pixels, this.samplesOf(slice), {
       range,

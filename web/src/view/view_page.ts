@@ -51,7 +51,10 @@ export class ViewPage {
   private readonly shared: Shared;
   private readonly slices: SliceView[];
   private readonly meshView: MeshView;
-  private readonly theme = new Theme((colours) => this.meshView.scene?.theme(colours));
+  private readonly theme = new Theme((colours) => {
+    this.meshView.scene?.theme(colours);
+    this.meshView.updateOutlines();
+  });
   private readonly views = element("div", {class: "views"});
   private readonly ended = element("p", {class: "ended", role: "alert", id: "ended"});
   private readonly cross = element("output", {id: "cross-value"});
