@@ -66,6 +66,6 @@ export function ticks([from, to]: [number, number], most: number): number[] {
   const power = 10 ** Math.floor(Math.log10(least));
   const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= least) ?? 10 * power;
   const out: number[] = [];
-  for (let k = Math.ceil(from / step); k * step <= to; ++k) out.push(k * step);
+  for (let k = Math.ceil(from / step); k * step <= to; ++k) out.push(k * step + 0);  // not -0
   return out;
 }
