@@ -6,7 +6,8 @@ import {describe, test} from "node:test";
 import {imported} from "./source.mjs";
 
 const {isoline} = await imported("view/isoline.ts");
-const {parseIsovalue, snapped, stepOf, ends, shareBelow, ticks} = await imported("view/isovalue.ts");
+const {parseIsovalue, snapped, stepOf, ends, shareBelow, ticks} =
+  await imported("view/isovalue.ts");
 const {Region} = await imported("view/region.ts");
 const {Grid} = await imported("view/grid.ts");
 const {defaultRange, paint, palette} = await imported("view/grey.ts");
@@ -63,8 +64,7 @@ describe("isoline", () => {
       const segments = segmentsOf(isoline(square, rule(iso), everything));
       assert.equal(segments.length, 2);
       // Whether the upper left corner is cut off from its neighbours by a segment of its own.
-      return segments.some(([ax, ay, bx, by]) => ax * ay === 0 && bx * by === 0 && ax + bx < 1.999 &&
-        Math.min(ax, bx) === 0 && Math.min(ay, by) === 0);
+      return segments.some(([ax, ay, bx, by]) => Math.min(ax, bx) === 0 && Math.min(ay, by) === 0);
     };
     // The saddle of 3, 0, 3, 0 is 1.5.
     assert.equal(connected(3, 0, 3, 0, 1), false, "the inside corners are connected");

@@ -299,15 +299,16 @@ describe("the mesh follows", () => {
         await page.waitForTimeout(10);
       }
       const moving = meshes(server).length - 1;
+      assert.ok(moving > 1, "the mesh follows while the handle moves");
+      assert.equal(server.counts.replaced, 0, "one request at a time");
       await page.mouse.up();
       await upToDate(page);
-      assert.ok(moving < 15, `${moving} requests for 40 moves`);
-      assert.ok(moving > 1, `${moving} requests for 40 moves`);
+      assert.ok(server.counts.replaced <= 1);
       assert.equal(lastMesh(server).iso, `${await state(page, "isovalue")}`);
       assert.deepEqual((await state(page, "mesh")).options, await state(page, "options"));
       const requests = meshes(server).map(({request}) => request);
       assert.deepEqual(requests, [...requests].sort((a, b) => a - b));
-    }, {faults: {delay: 60}});
+    }, {faults: {delay: 200}});
   });
 
   test("a preview, then the whole volume; cancel", {timeout: 2 * SLOW}, async () => {
@@ -483,7 +484,7 @@ describe("saving", () => {
       await command("isoatlas extract ball.nrrd --iso 6 -o ball.ply");
       await page.locator("#max-distance").fill("0.25");
       await page.locator("#levels").fill("3");
-      await page.locator("#border-closed").click();
+      await page.locator('[name="border"][value="closed"]').click();
       await page.locator("#format").selectOption("stl");
       await command("isoatlas extract ball.nrrd --iso 6 --border closed --max-distance 0.25vx " +
         "--levels 3 -o ball.stl");
@@ -543,7 +544,7 @@ describe("the server ends", () => {
     assert.ok(await page.locator("#tint").isEnabled());
   }
 
-  test("and says so", {timeout: SLOW}, async () => {
+  test("and reports it", {timeout: SLOW}, async () => {
     await viewing("ball", async (page, server) => {
       await upToDate(page);
       server.send({type: "bye", message: "It was interrupted."});
@@ -596,7 +597,8 @@ test("200 meshes leave the memory of the page flat", {timeout: 5 * SLOW}, async 
     const before = await used();
     await change(200);
     const after = await used();
-    console.log(`heap before ${(before / 1e6).toFixed(1)} MB, after ${(after / 1e6).toFixed(1)} MB`);
+    const text = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
+    console.log(`heap before ${text(before)}, after ${text(after)}`);
     assert.ok(after < before + 4e6, `${before} to ${after} bytes`);
   });
 });

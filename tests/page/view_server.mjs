@@ -17,6 +17,11 @@ function sampled(size, value) {
   return samples;
 }
 
+/** What the page may do, as with the tool. */
+const POLICY =
+  "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; " +
+  "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'";
+
 const ball = (x, y, z, r) => (i, j, k) => r - Math.hypot(i - x, j - y, k - z);
 const identity = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]];
 
@@ -228,7 +233,8 @@ function meshBytes(volume, world, options, reduction) {
  *   holds       whether final meshes and files wait until they are cancelled
  *   refuse      the error of each command and mesh
  *   fail        the message with which each mesh fails
- * @returns address, the requests that were received, and what ends it
+ * @returns address, the requests that were received, the number of meshes that were replaced before
+ *          they were made, and what ends it
  */
 export async function serveVolume(name, faults = {}) {
   const volume = volumes[name]();
@@ -238,6 +244,7 @@ export async function serveVolume(name, faults = {}) {
   const files = new Map();
   const pages = new Set();
   const received = [];
+  const counts = {replaced: 0};
   let lastId = 0;
   let current = null;
   const send = (message) => {
@@ -252,9 +259,11 @@ export async function serveVolume(name, faults = {}) {
     meshes.set(++lastId, bytes);
     for (const id of meshes.keys()) if (meshes.size > 4) meshes.delete(id);
     send({type: "mesh", request, id: lastId, reduction, final});
+    if (current?.request === request) current.hasMesh = true;
   };
   const makeMesh = ({request, options}) => {
     clearTimeout(current?.timer);
+    if (current && !current.hasMesh) ++counts.replaced;
     if (faults.fail) {
       send({type: "failed", request, message: faults.fail});
       return;
@@ -297,7 +306,8 @@ export async function serveVolume(name, faults = {}) {
   const server = createServer(async (request, response) => {
     const path = request.url.replace(/^\/token\//, "");
     const reply = (status, type, body) => {
-      response.writeHead(status, {"Content-Type": type, "Cache-Control": "no-store"});
+      response.writeHead(status, {"Content-Type": type, "Cache-Control": "no-store",
+        "Content-Security-Policy": POLICY});
       response.end(body);
     };
     const bytes = (body) => reply(200, "application/octet-stream", body);
@@ -337,6 +347,7 @@ export async function serveVolume(name, faults = {}) {
     address: `http://127.0.0.1:${server.address().port}/token/`,
     volume: json,
     received,
+    counts,
     faults,
     send,
     stop,

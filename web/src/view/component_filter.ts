@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which components of the isosurface are kept: the largest ones, those that are large enough, those
 // near some points. Points are used, because the numbers of components change with the isovalue.
-import {button} from "../controls";
+import {button, problemLine} from "../controls";
 import type {Triple} from "../data";
 import {count, element, number, plural, type Child} from "../dom";
 import type {LevelShape} from "../level_shape";
@@ -32,7 +32,7 @@ export class ComponentFilter {
   private readonly largest = field("keep-largest", "Keep the N largest", "all");
   private readonly smallest = field("drop-smaller", "Drop smaller than", "none");
   private readonly sizeUnit: HTMLSelectElement;
-  private readonly problem = element("p", {class: "bad problem", role: "alert", id: "keep-problem"});
+  private readonly problem = problemLine("keep-problem");
   readonly onlyShown = button("keep-shown", "Keep only the shown ones", () => this.keepShown(), {
     title: "In the mesh that is saved, too",
   });
@@ -68,9 +68,10 @@ export class ComponentFilter {
   /** Options of extract; those of fields that are not valid are left out. */
   options(): Option[] {
     const out: Option[] = [];
-    if (isCount(this.largest.input.value)) out.push(["keep-components", this.largest.input.value.trim()]);
-    if (isSize(this.smallest.input.value))
-      out.push(["min-component-size", `${this.smallest.input.value.trim()}${this.sizeUnit.value}`]);
+    const largest = this.largest.input.value.trim();
+    const smallest = this.smallest.input.value.trim();
+    if (isCount(largest)) out.push(["keep-components", largest]);
+    if (isSize(smallest)) out.push(["min-component-size", `${smallest}${this.sizeUnit.value}`]);
     for (const {at} of this.keep) out.push(["keep-near", at.join(",")]);
     for (const {at} of this.drop) out.push(["drop-near", at.join(",")]);
     return out;
@@ -210,9 +211,9 @@ const sizes = (listed: MeshHeader["dropped_components"]): string =>
   listed.length > 0 ? `, the largest of ${number(listed[0].size)}` : "";
 
 /**
- * Whether the kept components are the largest ones by the volume that they enclose. Sizes that the
- * coarse mesh cannot tell apart, and open components, whose size depends on how the volume boundary
- * closes them, are not compared.
+ * Whether the kept components are the largest ones by the volume that they enclose. Similar sizes
+ * are not compared, because those of the coarse mesh are not exact; nor are open components, whose
+ * size depends on how the volume boundary closes them.
  */
 function areLargest(shape: LevelShape, kept: number[], hidden: number[]): boolean {
   const measures = shape.measures();

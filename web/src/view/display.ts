@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How slices and mesh are drawn.
 import type {Colouring} from "../colours";
-import {button, checkbox, choice, type Checkbox, type Choice} from "../controls";
+import {button, checkbox, choice, problemLine, type Checkbox, type Choice} from "../controls";
 import {element, number} from "../dom";
 import type {Style} from "../scene";
 import type {GreyRange} from "./grey";
@@ -33,7 +33,7 @@ export class Display {
   readonly colouring: Choice<Colouring>;
   private readonly window = field("window");
   private readonly level = field("level");
-  private readonly problem = element("p", {class: "bad problem", role: "alert", id: "window-problem"});
+  private readonly problem = problemLine("window-problem");
   /** Fields for the slices, and for the mesh. */
   readonly ofSlices: HTMLElement[];
   readonly ofMesh: HTMLElement[];

@@ -129,14 +129,15 @@ export function paint(
         continue;
       }
       const grey = (shown - low) * scale;
-      pixels[start + x] = colours[(inside ? 256 : 0) + (grey <= 0 ? 0 : grey >= 255 ? 255 : grey | 0)];
+      const entry = grey <= 0 ? 0 : grey >= 255 ? 255 : grey | 0;
+      pixels[start + x] = colours[inside ? 256 + entry : entry];
     }
   }
 }
 
 /**
  * The sample before a position along one direction.
- * @returns its offset, or -1 beyond the samples; sets its distance and the offset of the next sample
+ * @returns its offset, or -1 beyond the samples; sets its distance and the offset of the next one
  */
 function place(
   position: number,

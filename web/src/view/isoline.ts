@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The isoline of a slice: marching squares with linear interpolation, as the surface is in the faces
+// The isoline of a slice: marching squares with linear interpolation, like the surface in the faces
 // of grid cells.
 import type {Side} from "./server";
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The histogram with the isovalue as a handle, a field for its number, suggested values, and which
 // side is inside.
-import {button, choice} from "../controls";
+import {button, choice, problemLine} from "../controls";
 import {count, drawn, element, number, percent} from "../dom";
 import type {InsideRule} from "./isoline";
 import {ends, parseIsovalue, shareBelow, snapped, stepOf, ticks} from "./isovalue";
@@ -37,12 +37,12 @@ export class IsovalueControl {
     autocomplete: "off",
     "aria-describedby": "isovalue-problem isovalue-share",
   });
-  private readonly problem = element("p", {
-    id: "isovalue-problem",
-    class: "bad problem",
-    role: "alert",
+  private readonly problem = problemLine("isovalue-problem");
+  private readonly share = element("output", {
+    id: "isovalue-share",
+    class: "soft",
+    for: "isovalue",
   });
-  private readonly share = element("output", {id: "isovalue-share", class: "soft", for: "isovalue"});
   private readonly chart = element("div", {class: "distribution", id: "histogram"});
   private readonly side = choice<Side>("inside", "Inside is", SIDES, () => this.sideChanged());
   private readonly nanSide = choice<Side>("nan", "", SIDES, () => {

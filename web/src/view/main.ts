@@ -4,7 +4,7 @@ import "../style.css";
 import "./view.css";
 
 import {element} from "../dom";
-import {Refused, Server, type Message} from "./server";
+import {Server, type Message} from "./server";
 import {ViewPage} from "./view_page";
 
 const ICON =
@@ -12,7 +12,7 @@ const ICON =
   "d='M8 1 15 13H1z' fill='%232c5f86'/%3E%3C/svg%3E";
 
 function fail(reason: unknown): void {
-  const text = reason instanceof Refused || reason instanceof Error ? reason.message : String(reason);
+  const text = reason instanceof Error ? reason.message : String(reason);
   document.body.append(
     element("p", {class: "missing bad", role: "alert"}, `The volume cannot be shown: ${text}.`),
   );

@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests meshes while options change: one at a time, and the last options are always made.
-import {nextRequest, Refused, type MadeMesh, type Message, type Option, type Server} from "./server";
+import {
+  nextRequest,
+  Refused,
+  type MadeMesh,
+  type Message,
+  type Option,
+  type Server,
+} from "./server";
 
 interface Running {
   request: number;
@@ -72,8 +79,8 @@ export class MeshFollower {
 
   /**
    * Makes the mesh of these options.
-   * @param settled whether it replaces the mesh that is being made; if not, it waits until the first
-   *        mesh of that is shown, so that the picture follows a handle that keeps moving
+   * @param settled whether it replaces the mesh that is being made; if not, it waits until the
+   *        first mesh of that is shown, so that the picture follows a handle that keeps moving
    */
   follow(options: Option[], settled: boolean): void {
     if (this.isStopped) return;
@@ -182,7 +189,7 @@ export class MeshFollower {
     const last = this.timings[this.timings.length - 1];
     if (last?.request === request) last.final = final ? now : null;
     else this.timings.push({request, first: now, final: final ? now : null});
-    if (this.timings.length > MOST_TIMINGS) this.timings.shift();
+    if (this.timings.length > MOST_TIMINGS) this.timings.splice(0, 1);
   }
 
   private finish(): void {

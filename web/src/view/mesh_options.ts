@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the mesh is made: detail, bounds, levels, topology, border. Each field is an option of
+// How the mesh is made: detail, bounds, levels, topology, caps. Each field is an option of
 // `isoatlas extract`; an empty one is not in the command line.
-import {choice} from "../controls";
+import {choice, problemLine} from "../controls";
 import {element} from "../dom";
 import type {Option} from "./server";
 
@@ -16,7 +16,7 @@ interface Field {
 }
 
 type Detail = "refined" | "coarse";
-type Border = "open" | "closed";
+type Caps = "open" | "closed";
 type Topology = "trilinear" | "faces";
 
 const positive = (value: number): string => (value > 0 ? "" : "a number above 0");
@@ -105,7 +105,7 @@ export class MeshOptions {
     ],
     () => this.detailChanged(),
   );
-  private readonly border = choice<Border>(
+  private readonly caps = choice<Caps>(
     "border",
     "Where the volume ends",
     [
@@ -126,7 +126,7 @@ export class MeshOptions {
   private readonly distance: NumberField;
   private readonly levels: NumberField;
   private readonly further: NumberField[];
-  private readonly problem = element("p", {class: "bad problem", role: "alert", id: "bound-problem"});
+  private readonly problem = problemLine("bound-problem");
   private readonly refinedOnly: HTMLElement;
   readonly fields: HTMLElement[];
 
@@ -180,7 +180,7 @@ export class MeshOptions {
       this.detail.field,
       this.refinedOnly,
       this.problem,
-      this.border.field,
+      this.caps.field,
       this.topology.field,
     ];
   }
@@ -189,7 +189,7 @@ export class MeshOptions {
   shared(): Option[] {
     const out: Option[] = [];
     if (this.topology.value() !== "trilinear") out.push(["topology", this.topology.value()]);
-    if (this.border.value() !== "open") out.push(["border", this.border.value()]);
+    if (this.caps.value() !== "open") out.push(["border", this.caps.value()]);
     return out;
   }
 

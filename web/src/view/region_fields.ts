@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Six number fields for the region of interest, and a button to draw it in the slices.
-import {button} from "../controls";
+import {button, problemLine} from "../controls";
 import {element} from "../dom";
 import {AXES} from "./grid";
 import type {Ends, Region} from "./region";
@@ -8,11 +8,13 @@ import type {Ends, Region} from "./region";
 export class RegionFields {
   readonly section: HTMLElement;
   private readonly inputs: [HTMLInputElement, HTMLInputElement][];
-  private readonly problem = element("p", {class: "bad problem", role: "alert", id: "region-problem"});
-  private readonly edit = button("edit-region", "Drag its edges", () => this.setEdited(!this.edited), {
-    "aria-pressed": "false",
-    title: "Show edges in the slices that can be dragged",
-  });
+  private readonly problem = problemLine("region-problem");
+  private readonly edit = button(
+    "edit-region",
+    "Drag its edges",
+    () => this.setEdited(!this.edited),
+    {"aria-pressed": "false", title: "Show edges in the slices that can be dragged"},
+  );
   private readonly whole = button("whole-volume", "Whole volume", () => {
     this.region.reset();
     this.show();

@@ -184,7 +184,11 @@ const wordsOf = (reason: unknown): string =>
   reason instanceof Refused ? reason.message : String(reason);
 
 const bytesText = (bytes: number): string =>
-  bytes < 1e4 ? `${bytes} bytes` : bytes < 1e6 ? `${number(bytes / 1e3)} kB` : `${number(bytes / 1e6)} MB`;
+  bytes < 1e4
+    ? `${bytes} bytes`
+    : bytes < 1e6
+      ? `${number(bytes / 1e3)} kB`
+      : `${number(bytes / 1e6)} MB`;
 
 function download(address: string, name: string): void {
   const link = document.createElement("a");

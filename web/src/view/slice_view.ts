@@ -518,8 +518,10 @@ export class SliceView {
     if (!isRegionEdited) return;
     const [x, y, wide, high] = inner;
     context.fillStyle = LINES.region;
-    for (const [atX, atY] of [[0, 0.5], [1, 0.5], [0.5, 0], [0.5, 1], [0, 0], [0, 1], [1, 0], [1, 1]])
-      context.fillRect(x + atX * wide - 4, y + atY * high - 4, 8, 8);
+    for (const atX of [0, 0.5, 1])
+      for (const atY of [0, 0.5, 1])
+        if (atX !== 0.5 || atY !== 0.5)
+          context.fillRect(x + atX * wide - 4, y + atY * high - 4, 8, 8);
   }
 
   private drawCross(context: CanvasRenderingContext2D): void {

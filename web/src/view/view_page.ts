@@ -375,8 +375,8 @@ export class ViewPage {
     this.follower.stop();
     this.saving.stopAll();
     this.ended.textContent =
-      `isoatlas view has ended. ${reason} The last mesh and the slices that were shown stay here; ` +
-      "nothing new can be made or saved.";
+      `isoatlas view has ended. ${reason} The last mesh and the slices that were shown stay ` +
+      "here; nothing new can be made or saved.";
     this.ended.hidden = false;
     const needy = document.querySelectorAll<HTMLInputElement>(
       "[data-needs-server] :is(input, select, button)",
