@@ -130,6 +130,7 @@ EXCEPTIONS = [
         "the option for closed meshes",
     ),
     ("docs/report.md", r"with Shift", "a key"),
+    ("docs/tasks/choose-isovalue.md", r"\bShift\b", "a key"),
     ("src/volume_files/meta_image_header.cpp", r"MET_[A-Z]", "names of sample types in MetaImage"),
     ("tests/differential/independent.py", r"MET_[A-Z]", "names of sample types in MetaImage"),
     ("docs/reference/formats.md", r"MET_[A-Z]", "names of sample types in MetaImage"),

@@ -1,6 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Opens the page of `isoatlas view` in a real browser, for the tests.
+//   ISOATLAS_VIEW_PAGE=1   uses the page that npm has built, not the one in the tool
+import {readFileSync} from "node:fs";
+import {join} from "node:path";
+
 import {browser, SLOW} from "./browser.mjs";
+import {bundleFolder} from "./modules.mjs";
+
+/** The page, as the tool serves it. */
+export function html() {
+  const part = (name) => readFileSync(join(bundleFolder, name), "utf8");
+  return `<!doctype html><html lang="en"><head><meta charset="utf-8">` +
+    `<meta name="viewport" content="width=device-width, initial-scale=1">` +
+    `<title>isoatlas view</title><style>${part("view.css")}</style></head><body><script>` +
+    `${part("view.js")}</script></body></html>`;
+}
 
 /** Opens the page and collects console messages, errors, and requests for other servers. */
 export async function openView(
@@ -25,6 +39,8 @@ export async function openView(
     if (!url.startsWith(address) && !url.startsWith("data:") && !url.startsWith("blob:"))
       trouble.push(`request: ${url.slice(0, 80)}`);
   });
+  if (process.env.ISOATLAS_VIEW_PAGE)
+    await page.route(address, (route) => route.fulfill({contentType: "text/html", body: html()}));
   await page.goto(address);
   await page.waitForSelector("html[data-ready]");
   return {page, trouble, close: () => context.close()};

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A small server with the interface of `isoatlas view`, for tests of its page that need no tool:
 // made-up volumes, and faults on request. Meshes are those of surface nets, not certified ones.
-import {readFileSync} from "node:fs";
 import {createServer} from "node:http";
-import {join} from "node:path";
 
-import {bundleFolder} from "./modules.mjs";
+import {html} from "./view_browser.mjs";
 
 /** Samples of a function of the sample index. */
 function sampled(size, value) {
@@ -298,11 +296,6 @@ export async function serveVolume(name, faults = {}) {
     },
     command: (body) => ({command: commandOf(body)}),
   };
-  const html = () => `<!doctype html><html lang="en"><head><meta charset="utf-8">` +
-    `<meta name="viewport" content="width=device-width, initial-scale=1">` +
-    `<title>isoatlas view</title><style>${readFileSync(join(bundleFolder, "view.css"), "utf8")}` +
-    `</style></head><body><script>${readFileSync(join(bundleFolder, "view.js"), "utf8")}` +
-    `</script></body></html>`;
   const server = createServer(async (request, response) => {
     const path = request.url.replace(/^\/token\//, "");
     const reply = (status, type, body) => {
