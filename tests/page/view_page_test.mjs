@@ -241,7 +241,8 @@ describe("isovalue", () => {
       assert.equal(await value(), 99.5);
       await page.locator("#inside-below").click();
       await upToDate(page);
-      assert.deepEqual(await state(page, "options"), [["iso", "99.5"], ["inside", "below"]]);
+      assert.deepEqual(await state(page, "options"), [
+        ["iso", "99.5"], ["inside", "below"], ["max-radius", "3vx"]]);
       assert.match(await page.locator("#isovalue-share").textContent(), /9\d % of the samples/);
     });
   });
@@ -496,7 +497,9 @@ describe("saving", () => {
       await page.locator("#max-vertices").fill("");
       await page.waitForFunction(() => !document.querySelector("#save").disabled);
       await page.locator("#detail-coarse").click();
-      await command("isoatlas extract ball.nrrd --iso 6 --border closed --coarse -o ball.stl");
+      await command("isoatlas extract ball.nrrd --iso 6 --border closed --coarse " +
+        "--max-radius 3vx " +
+        "-o ball.stl");
       const [download] = await Promise.all([
         page.waitForEvent("download"),
         page.locator("#save").click(),
@@ -505,7 +508,8 @@ describe("saving", () => {
       assert.match(await page.locator("#save-status").textContent(), /Saved ball\.stl, 1234 bytes/);
       assert.match(await page.locator("#save-summary").textContent(), /as on the command line/);
       const saved = server.received.find(({path}) => path === "save");
-      assert.deepEqual(saved.options, [["iso", "6"], ["border", "closed"], ["coarse", ""]]);
+      assert.deepEqual(saved.options, [
+        ["iso", "6"], ["border", "closed"], ["coarse", ""], ["max-radius", "3vx"]]);
       assert.equal(saved.format, "stl");
       await page.locator("#copy-command").click();
       await page.waitForFunction(() =>

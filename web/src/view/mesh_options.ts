@@ -15,6 +15,10 @@ interface Field {
   problem: (value: number) => string;
 }
 
+/** The largest radius of the disks of the shown mesh: a share of the longest side, in voxels. */
+const RADII_PER_SIDE = 64;
+const LEAST_RADIUS = 3;
+
 type Detail = "refined" | "coarse";
 type Caps = "open" | "closed";
 type Topology = "trilinear" | "faces";
@@ -123,6 +127,7 @@ export class MeshOptions {
     ],
     () => this.changed(true),
   );
+  private readonly radius: NumberField;
   private readonly distance: NumberField;
   private readonly levels: NumberField;
   private readonly further: NumberField[];
@@ -132,11 +137,13 @@ export class MeshOptions {
 
   /**
    * @param unit of lengths; "" if the volume states none
+   * @param side number of samples along the longest side of the volume
    * @param defaults values of options that are not given
    * @param changed gets whether the shown mesh depends on it, too
    */
   constructor(
     unit: string,
+    side: number,
     defaults: Record<string, string>,
     private readonly changed: (mesh: boolean) => void,
   ) {
@@ -145,6 +152,19 @@ export class MeshOptions {
       ...(unit ? [{value: "", text: unit}] : [{value: "", text: "units"}]),
     ];
     const bound = (of: Field): NumberField => new NumberField(of, () => this.boundChanged());
+    this.radius = new NumberField(
+      {
+        name: "max-radius",
+        text: "Triangles of the shown mesh, at most",
+        units: lengths,
+        placeholder: `${Math.max(LEAST_RADIUS, Math.round(side / RADII_PER_SIDE))}`,
+        problem: positive,
+      },
+      () => {
+        this.boundChanged();
+        if (this.isValid) this.changed(true);
+      },
+    );
     this.distance = bound({
       name: "max-distance",
       text: "Distance, at most",
@@ -179,6 +199,7 @@ export class MeshOptions {
     this.fields = [
       this.detail.field,
       this.refinedOnly,
+      pairs([this.radius]),
       this.problem,
       this.caps.field,
       this.topology.field,
@@ -193,9 +214,18 @@ export class MeshOptions {
     return out;
   }
 
+  /**
+   * Options of the shown mesh only. Without a largest radius, a head would be a few triangles: the
+   * coarsest mesh with its topology.
+   */
+  shown(): Option[] {
+    const typed = this.radius.option();
+    return typed.length > 0 ? typed : [["max-radius", `${this.radius.of.placeholder}vx`]];
+  }
+
   /** Options of the saved mesh only. */
   saved(): Option[] {
-    if (this.detail.value() === "coarse") return [["coarse", ""]];
+    if (this.detail.value() === "coarse") return [["coarse", ""], ...this.shown()];
     return [this.distance, this.levels, ...this.further].flatMap((field) => field.option());
   }
 
@@ -211,7 +241,7 @@ export class MeshOptions {
 
   private boundChanged(): void {
     const fields = this.refinedOnly.hidden ? [] : [this.distance, this.levels, ...this.further];
-    this.problem.textContent = fields
+    this.problem.textContent = [...fields, this.radius]
       .map((field) => field.problem())
       .filter(Boolean)
       .join(" ");

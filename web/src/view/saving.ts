@@ -43,6 +43,7 @@ export class Saving {
   private request: number | null = null;
   private pending = 0;
   private latest = 0;
+  private isCurrent = false;  // whether the command line is that of the options
   private isStopped = false;
 
   /** @param options of the mesh; null: not all fields can be used */
@@ -75,6 +76,7 @@ export class Saving {
   /** Shows the command line of the options, after a moment without another change. */
   updateCommand(): void {
     clearTimeout(this.pending);
+    this.isCurrent = false;
     this.pending = window.setTimeout(() => void this.fetchCommand(), COMMAND_AFTER);
     this.copy.textContent = "Copy";
   }
@@ -91,6 +93,7 @@ export class Saving {
       });
       if (number !== this.latest) return;
       this.command.textContent = command;
+      this.isCurrent = true;
       this.problem.textContent = "";
     } catch (reason) {
       if (number === this.latest) this.problem.textContent = sentence(wordsOf(reason));
@@ -154,8 +157,9 @@ export class Saving {
     return this.request !== null;
   }
 
-  get commandText(): string {
-    return this.command.textContent ?? "";
+  /** null while it is requested. */
+  get commandText(): string | null {
+    return this.isCurrent ? (this.command.textContent ?? "") : null;
   }
 
   private end(request: number, text: string, bad = false): void {

@@ -77,8 +77,11 @@ export class ViewPage {
       },
       () => this.meshChanged(),
     );
-    this.meshOptions = new MeshOptions(volume.unit, volume.defaults, (mesh) =>
-      mesh ? this.optionsChanged(true) : this.saving.updateCommand(),
+    this.meshOptions = new MeshOptions(
+      volume.unit,
+      Math.max(...volume.size),
+      volume.defaults,
+      (mesh) => (mesh ? this.optionsChanged(true) : this.saving.updateCommand()),
     );
     this.filter = new ComponentFilter(
       volume.unit,
@@ -257,6 +260,11 @@ export class ViewPage {
   }
 
   /** Options of the shown mesh. */
+  private shownOptions(): Option[] {
+    return [...this.options(), ...this.meshOptions.shown()];
+  }
+
+  /** Options of the shown and of the saved mesh. */
   private options(): Option[] {
     const out: Option[] = [["iso", `${this.isovalue.value}`]];
     if (this.isovalue.inside === "below") out.push(["inside", "below"]);
@@ -279,7 +287,7 @@ export class ViewPage {
   }
 
   private optionsChanged(settled: boolean): void {
-    this.follower.follow(this.options(), settled);
+    this.follower.follow(this.shownOptions(), settled);
     this.saving.updateCommand();
   }
 
@@ -390,7 +398,7 @@ export class ViewPage {
     isovalue: () => this.isovalue.value,
     inside: () => this.isovalue.inside,
     /** Options of the shown mesh, or of the one that is being made. */
-    options: () => this.options(),
+    options: () => this.shownOptions(),
     position: () => this.shared.position,
     range: () => this.shared.range,
     region: () => this.region.ends,
@@ -406,11 +414,17 @@ export class ViewPage {
       return {request: shown.request, final: shown.final, options: shown.options, vertices,
         triangles, reduction, kept, dropped, seconds, components: header.facts.components};
     },
+    /** The positions of the vertices in the coordinates of the file, 3 each. */
+    positions: () => {
+      const mesh = this.meshView.mesh;
+      return mesh && Array.from(mesh.levels[0].positions, (v, i) => v + mesh.centre[i % 3]);
+    },
     /** Per request, times in ms until the first and the final mesh were shown. */
     timings: () => this.follower.timings,
     components: () => this.meshView.current?.shape.components().list,
     measures: () => this.meshView.current?.shape.measures(),
     hidden: () => [...this.meshView.components.hidden],
+    /** The command line of the options; null while it is requested. */
     command: () => this.saving.commandText,
     saving: () => this.saving.isRunning,
     moving: () => this.meshView.scene?.camera.moving ?? false,
