@@ -38,13 +38,31 @@ export class Camera {
   /** Half the size of the mesh in the home view; zoom 1 shows all of it. */
   private extent: [number, number] = [1, 1];
   private radius = 1;
+  private reach = 0;
   private width = 1;
   private height = 1;
 
   constructor(private readonly changed: () => void) {}
 
-  /** Sets the home view. @param positions of the mesh, around 0 */
+  /** Sets the home view and shows it. @param positions of the mesh, around 0 */
   setHome(positions: Float32Array): void {
+    this.frame(positions);
+    this.set(this.home);
+  }
+
+  /**
+   * Sets the home view of another mesh. The picture stays as it is, apart from the mesh.
+   * @param moved the old origin of positions relative to the new one
+   */
+  changeHome(positions: Float32Array, moved: Vector3): void {
+    const before = this.scale;
+    this.frame(positions);
+    this.pose.zoom *= before / this.scale;
+    this.pose.target.add(moved);
+    this.stop();
+  }
+
+  private frame(positions: Float32Array): void {
     this.framed = positions;
     let farthest = 0;
     for (let i = 0; i < positions.length; i += 3) {
@@ -56,7 +74,6 @@ export class Camera {
     const {target, extent} = this.outline(rotation);
     this.extent = extent;
     this.home = {target, rotation, zoom: 1};
-    this.set(this.home);
   }
 
   /** The outline of what is framed in a view: half its size, and its centre. */
@@ -86,6 +103,12 @@ export class Camera {
         Math.max(high[1] - low[1], least) / 2,
       ],
     };
+  }
+
+  /** @param reach the largest distance from the origin of what is drawn in addition to the mesh */
+  setReach(reach: number): void {
+    this.reach = reach;
+    this.apply();
   }
 
   resize(width: number, height: number): void {
@@ -224,9 +247,10 @@ export class Camera {
   private apply(): void {
     const {target, rotation} = this.pose;
     const towards = Z.clone().applyQuaternion(rotation);
-    // For any target, the camera is outside the bounding ball of the mesh, and the ball is between
-    // the near and far planes.
-    const ahead = this.radius * 1.01 - target.dot(towards);
+    // For any target, the camera is outside the bounding ball of all that is drawn, and the ball is
+    // between the near and far planes.
+    const radius = Math.max(this.radius, this.reach);
+    const ahead = radius * 1.01 - target.dot(towards);
     this.three.position.copy(target).addScaledVector(towards, ahead);
     this.three.quaternion.copy(rotation);
     const [w, h] = [this.width / this.scale / 2, this.height / this.scale / 2];
@@ -236,7 +260,7 @@ export class Camera {
       top: h,
       bottom: -h,
       near: 0,
-      far: 2.02 * this.radius,
+      far: 2.02 * radius,
     });
     this.three.updateProjectionMatrix();
     this.changed();

@@ -76,8 +76,12 @@ export class ComponentList {
 
   constructor(private readonly choice: ComponentChoice) {}
 
-  /** @param unit of the positions; @param facing 1, or -1 if outer surfaces face inward */
-  open(result: Result, shape: LevelShape, unit: string, facing: number): HTMLElement {
+  /**
+   * @param unit of the positions
+   * @param facing 1, or -1 if outer surfaces face inward
+   * @param notes what is shown above the list
+   */
+  open(shape: LevelShape, unit: string, facing: number, notes: Child[] = []): HTMLElement {
     this.rows.clear();
     const {list} = shape.components();
     const body = list.slice(0, this.listed).flatMap((_, i) => this.row(i, shape, unit, facing));
@@ -87,7 +91,7 @@ export class ComponentList {
       ["Component", "Triangles", `Area, ${unit}²`, `Volume, ${unit}³`, ""],
       body,
     );
-    const out = section("Components", ...choices(result), listed);
+    const out = section("Components", ...notes, listed);
     const rest = list.length - this.listed;
     if (rest > 0) {
       const most = list[this.listed].triangles;
@@ -104,7 +108,7 @@ export class ComponentList {
       buttons.append(
         button("list-more", `List ${count(Math.min(rest, MORE_ROWS))} more`, () => {
           this.listed += MORE_ROWS;
-          out.replaceWith(this.open(result, shape, unit, facing));
+          out.replaceWith(this.open(shape, unit, facing, notes));
           this.rows.get(this.listed - MORE_ROWS)?.shown.focus();
         }),
       );
@@ -168,7 +172,7 @@ export class ComponentList {
 }
 
 /** What was kept and left out of the isosurface. */
-function choices(result: Result): Child[] {
+export function keptAndDropped(result: Result): Child[] {
   const {kept, dropped, parameters, unit} = result;
   if (!dropped) return [];
   const sized = (of: RankedComponents, kind: string): string =>

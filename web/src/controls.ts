@@ -70,6 +70,10 @@ export function button(
   return out;
 }
 
+/** A line that states what is wrong in a field; hidden while it is empty. */
+export const problemLine = (id: string): HTMLElement =>
+  element("p", {class: "bad problem", role: "alert", id});
+
 export interface Checkbox {
   field: HTMLElement;
   input: HTMLInputElement;

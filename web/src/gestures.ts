@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mouse and touch on the picture. One pointer rotates; two pointers, the right or middle button, or
+// Mouse and touch on a picture. One pointer rotates; two pointers, the right or middle button, or
 // Shift pan; wheel and pinch zoom; a click or a tap is a press without a drag.
-import type {Camera} from "./camera";
 
 /** In CSS pixels from the upper left corner of the canvas. */
 export interface Point {
@@ -9,10 +8,27 @@ export interface Point {
   y: number;
 }
 
+/** What is moved, by pixels of the picture. */
+export interface Movable {
+  rotate: (right: number, down: number) => void;
+  pan: (right: number, down: number) => void;
+  zoomAt: (factor: number, x: number, y: number) => void;
+}
+
+/** Follows a pointer that drags something in the picture. */
+export interface Drag {
+  move: (to: Point) => void;
+  end: () => void;
+}
+
 export interface Listener {
   clicked: (at: Point) => void;
   /** Called while no button is pressed; null: the pointer has left the picture. */
   pointedAt: (at: Point | null) => void;
+  /** What a pressed pointer drags in place of the picture; null: nothing. */
+  grabbed?: (at: Point, event: PointerEvent) => Drag | null;
+  /** @returns whether the wheel did something in place of zooming */
+  wheeled?: (event: WheelEvent) => boolean;
 }
 
 /** A pointer that moves farther, in CSS pixels, drags. */
@@ -21,8 +37,9 @@ const DRAG = 5;
 const middle = ([a, b]: Point[]): Point => ({x: (a.x + b.x) / 2, y: (a.y + b.y) / 2});
 const apart = ([a, b]: Point[]): number => Math.max(Math.hypot(a.x - b.x, a.y - b.y), 1);
 
-export function listen(canvas: HTMLCanvasElement, camera: Camera, listener: Listener): void {
+export function listen(canvas: HTMLCanvasElement, camera: Movable, listener: Listener): void {
   const down = new Map<number, Point>();
+  const drags = new Map<number, Drag>();
   let pans = false;
   let pressed: Point | null = null;  // where the only pointer went down, if it has not dragged
 
@@ -33,6 +50,12 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera, listener: List
 
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
+    const drag = down.size === 0 ? listener.grabbed?.(at(event), event) : null;
+    if (drag) {
+      drags.set(event.pointerId, drag);
+      listener.pointedAt(null);
+      return;
+    }
     down.set(event.pointerId, at(event));
     pans = event.button !== 0 || event.shiftKey || event.ctrlKey;
     pressed = pans || down.size > 1 ? null : at(event);
@@ -41,6 +64,11 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera, listener: List
   canvas.addEventListener("pointermove", (event) => {
     const before = down.get(event.pointerId);
     const now = at(event);
+    const drag = drags.get(event.pointerId);
+    if (drag) {
+      drag.move(now);
+      return;
+    }
     if (!before) {
       listener.pointedAt(now);
       return;
@@ -62,6 +90,8 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera, listener: List
     }
   });
   const up = (event: PointerEvent): void => {
+    drags.get(event.pointerId)?.end();
+    drags.delete(event.pointerId);
     down.delete(event.pointerId);
     if (down.size === 1) pans = false;
   };
@@ -84,6 +114,7 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera, listener: List
     "wheel",
     (event) => {
       event.preventDefault();
+      if (listener.wheeled?.(event)) return;
       const lines =
         event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? event.deltaY : 30 * event.deltaY;
       const {x, y} = at(event);

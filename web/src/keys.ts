@@ -4,7 +4,7 @@ import {Vector3} from "three";
 
 import type {Camera} from "./camera";
 
-/** What keys do, apart from moving the camera. */
+/** What keys do, apart from moving the camera. A page can leave some out. */
 export interface KeyTarget {
   reset: () => void;
   step: (levels: number) => void;
@@ -43,13 +43,14 @@ const SIDES = ["1", "2", "3", "4", "5", "6"];
 export function keyAction(
   {key, shiftKey}: KeyboardEvent,
   camera: Camera,
-  target: KeyTarget,
+  target: Partial<KeyTarget>,
 ): (() => void) | undefined {
   const arrow = (right: number, down: number) => (): void =>
     shiftKey ? camera.pan(30 * right, 30 * down) : camera.rotate(24 * right, 24 * down);
   const along = (axis: number) => (): void =>
     camera.lookFrom(new Vector3().setComponent(axis, axis === 1 ? -1 : 1));
-  const actions: Record<string, () => void> = {
+  const {step, lookFromSide} = target;
+  const actions: Record<string, (() => void) | undefined> = {
     ArrowLeft: arrow(-1, 0),
     ArrowRight: arrow(1, 0),
     ArrowUp: arrow(0, -1),
@@ -59,13 +60,15 @@ export function keyAction(
     "-": () => camera.zoomAt(1 / 1.2),
     "0": target.reset,
     Home: target.reset,
-    "[": () => target.step(-1),
-    "]": () => target.step(1),
+    "[": step && (() => step(-1)),
+    "]": step && (() => step(1)),
     w: target.showWorst,
     x: along(0),
     y: along(1),
     z: along(2),
-    ...Object.fromEntries(SIDES.map((key, side) => [key, () => target.lookFromSide(side)])),
+    ...Object.fromEntries(
+      SIDES.map((key, side) => [key, lookFromSide && (() => lookFromSide(side))]),
+    ),
     Enter: target.clickCentre,
     m: target.toggleMeasuring,
     Escape: target.end,

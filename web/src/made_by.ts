@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a result was made: the command and its parameters.
+import {copyButton} from "./copying";
 import type {Result} from "./data";
 import {element, number, type Child} from "./dom";
 import {row, section, table} from "./tables";
@@ -23,28 +24,13 @@ function value(of: unknown): string {
   return Object.entries(of).map(([key, inner]) => `${key} ${value(inner)}`).join(", ");
 }
 
-function copying(text: string, holder: HTMLElement): HTMLElement {
-  const button = element("button", {type: "button", id: "copy"}, "Copy");
-  button.addEventListener("click", () => {
-    const done = (): void => void (button.textContent = "Copied");
-    const select = (): void => {
-      getSelection()?.selectAllChildren(holder);
-      button.textContent = "Selected";
-    };
-    // A page opened as a file may not write to the clipboard.
-    if (navigator.clipboard) navigator.clipboard.writeText(text).then(done, select);
-    else select();
-  });
-  return button;
-}
-
 function made(result: Result): Child[] {
   const out: Child[] = [];
   if (result.command) {
     const code = element("code", {}, result.command);
     out.push(
       element("pre", {tabindex: "0", "aria-label": "Command", id: "command"}, code),
-      copying(result.command, code),
+      copyButton(code),
     );
   } else {
     out.push(element("p", {class: "soft"}, "The file does not contain the command."));

@@ -39,8 +39,11 @@ const SIDES = [
 ] as const;
 const AXES = ["x", "y", "z"];
 
-/** Whether the world coordinates of the volume are those of a patient. */
-function isPatientSpace(input: Record<string, unknown>): boolean {
+/**
+ * Whether the world coordinates of the volume are those of a patient.
+ * @param input as in a report
+ */
+export function isPatientSpace(input: Record<string, unknown>): boolean {
   const stated = Array.isArray(input.decisions) ? input.decisions : [];
   const decision = (key: string): string => {
     const found = stated.find((one: {key?: unknown}) => one?.key === key) as
@@ -61,6 +64,10 @@ function isPatientSpace(input: Record<string, unknown>): boolean {
 export function orientationOf({input, parameters}: Result): Orientation {
   const space = parameters?.space;
   const anatomical = (space === "lps" || space === "ras") && isPatientSpace(input ?? {});
+  return orientationIn(space === "ras" ? "ras" : "lps", anatomical);
+}
+
+export function orientationIn(space: "lps" | "ras", anatomical: boolean): Orientation {
   const turned = space === "ras" ? -1 : 1;  // x and y of RAS are those of LPS, negated
   const ends = LPS.map(({letter, axis, sign}) => {
     const towards = axis < 2 ? turned * sign : sign;

@@ -9,6 +9,13 @@ import type {Orientation} from "./orientation";
 
 const px = (value: number): string => value.toFixed(1);
 
+/** The longest round length of at most this number of pixels. @param scale pixels per length */
+export function scaleLength(scale: number, pixels: number): number {
+  const most = pixels / scale;
+  const power = 10 ** Math.floor(Math.log10(most));
+  return [5, 2, 1].map((step) => step * power).find((step) => step <= most) ?? power;
+}
+
 export class Overlay {
   readonly svg = drawn("svg", {class: "overlay", "aria-hidden": "true"});
   worst: Worst | null = null;
@@ -116,9 +123,7 @@ export class Overlay {
   }
 
   private showScale(camera: Camera, width: number, height: number): void {
-    const most = Math.min(140, width / 3) / camera.scale;
-    const power = 10 ** Math.floor(Math.log10(most));
-    const length = [5, 2, 1].map((step) => step * power).find((step) => step <= most) ?? power;
+    const length = scaleLength(camera.scale, Math.min(140, width / 3));
     const [right, y, pixels] = [width - 16, height - 14, length * camera.scale];
     this.bar.setAttribute(
       "d",

@@ -3,14 +3,14 @@
 import {Vector3} from "three";
 
 import type {Colouring, Legend} from "./colours";
-import {ComponentChoice, ComponentList} from "./component_list";
+import {ComponentChoice, ComponentList, keptAndDropped} from "./component_list";
 import {button, checkbox, choice, cutControl, levelSlider} from "./controls";
 import {readMesh, readPage, type Mesh, type Result, type Triple} from "./data";
 import {element, number, plural, readOnly} from "./dom";
 import {saveMesh, savePicture, type Saved} from "./exports";
 import {facts, summary} from "./facts";
 import {listen} from "./gestures";
-import {corners, halfMoon} from "./icons";
+import {corners} from "./icons";
 import {Inspector, type Shown} from "./inspector";
 import {HELP, keyAction} from "./keys";
 import {legendOf} from "./legend";
@@ -20,6 +20,7 @@ import type {MeshFormat} from "./mesh_files";
 import {orientationOf, type Orientation, type Side} from "./orientation";
 import {Overlay} from "./overlay";
 import {contextOf, Scene, toFile, type Style} from "./scene";
+import {Theme} from "./theme";
 import {viewOf, viewText, type LinkedView} from "./view_link";
 import {errorText, levelName} from "./words";
 
@@ -41,16 +42,6 @@ const FORMATS: {value: MeshFormat; text: string}[] = [
   {value: "ply", text: ".ply"},
   {value: "stl", text: ".stl"},
 ];
-const THEME = {
-  clay: "--clay",
-  inside: "--inside",
-  paper: "--paper",
-  paperInside: "--paper-inside",
-  ink: "--edge",
-  section: "--section",
-  cap: "--cap",
-};
-
 export function fail(reason: unknown): void {
   document.body.append(
     element(
@@ -79,17 +70,7 @@ export class PageView {
   private readonly facts = element("div", {id: "facts"});
   private readonly madeBy = element("div");
   private readonly which = element("select", {id: "result", "aria-label": "Result"});
-  private readonly theme = button(
-    "theme",
-    halfMoon(),
-    () => this.setTheme(document.documentElement.dataset.theme !== "dark"),
-    {
-      class: "bare-icon",
-      "aria-pressed": "false",
-      "aria-label": "Dark theme",
-      title: "Light or dark",
-    },
-  );
+  private readonly theme = new Theme((colours) => this.scene?.theme(colours));
   private readonly fullScreen = button("full-screen", corners(), () => this.toggleFullScreen(), {
     class: "bare-icon",
     "aria-pressed": "false",
@@ -125,9 +106,7 @@ export class PageView {
     // Before the canvas gets its size, because resizing waits for the graphics process.
     this.head(this.page.results[0]);
     this.startScene();
-    const dark = matchMedia("(prefers-color-scheme: dark)");
-    dark.addEventListener("change", () => this.setTheme(dark.matches));
-    this.setTheme(dark.matches);
+    this.theme.start();
     addEventListener("hashchange", () => void this.follow(location.hash).catch(fail));
     const linked = viewOf(location.hash);
     await this.open(this.page.results[linked?.result ?? 0] ? (linked?.result ?? 0) : 0);
@@ -155,7 +134,7 @@ export class PageView {
         {},
         element("div", {class: "titles"}, this.title, this.subtitle),
         this.which,
-        this.theme,
+        this.theme.button,
         this.fullScreen,
       ),
       this.picture,
@@ -374,10 +353,10 @@ export class PageView {
       this.updateLegend();
     }
     const components = this.componentList.open(
-      this.result,
       this.shape,
       this.lengthUnit(),
       this.scene?.facing ?? 1,
+      keptAndDropped(this.result),
     );
     this.facts.replaceChildren(...facts(this.result, this.shown, this.shapes, components));
   }
@@ -440,20 +419,6 @@ export class PageView {
 
   private setStatus(text: string): void {
     this.inspector?.setStatus(text);
-  }
-
-  private setTheme(dark: boolean): void {
-    document.documentElement.dataset.theme = dark ? "dark" : "light";
-    this.theme.setAttribute("aria-pressed", `${dark}`);
-    const style = getComputedStyle(document.documentElement);
-    this.scene?.theme(
-      Object.fromEntries(
-        Object.entries(THEME).map(([name, property]) => [
-          name,
-          style.getPropertyValue(property).trim(),
-        ]),
-      ),
-    );
   }
 
   private toggleFullScreen(): void {

@@ -19,6 +19,7 @@ import {Caps, closingFans} from "./caps";
 import {colour, type Colouring, type Colours, type Legend} from "./colours";
 import type {Mesh, Triple} from "./data";
 import type {LevelShape, Worst} from "./level_shape";
+import {Outlines, type Outline} from "./outlines";
 import {firstHit, isHidden, type Span} from "./rays";
 import {FRAGMENT, VERTEX} from "./shaders";
 import {enclosedVolume, vertexNormals} from "./shape";
@@ -74,6 +75,7 @@ export class Scene {
   private prepared: (Prepared | undefined)[] = [];
   private style: Style = "smooth";
   private readonly caps: Caps;
+  private readonly outlines = new Outlines();
   private level = 0;
   private facesInward = false;
   private closed = false;
@@ -119,7 +121,7 @@ export class Scene {
     });
     this.surface = new Solid(new BufferGeometry(), this.material);
     this.surface.frustumCulled = false;
-    this.world.add(this.surface);
+    this.world.add(this.surface, this.outlines.lines);
     const {cutAt, cutSide} = this.material.uniforms;
     this.caps = new Caps({at: cutAt.value as Vector3, side: cutSide.value as Vector3});
     this.camera = new Camera(() => this.draw());
@@ -128,12 +130,16 @@ export class Scene {
     canvas.addEventListener("webglcontextrestored", () => this.draw());
   }
 
-  /** Shows another mesh, in the home view of its finest level. */
-  show(mesh: Mesh, shapes: LevelShape[]): void {
+  /**
+   * Shows another mesh, in the home view of its finest level.
+   * @param keepsView whether the view stays as it is, if there is one
+   */
+  show(mesh: Mesh, shapes: LevelShape[], keepsView = false): void {
     for (const old of this.prepared) {
       old?.geometry.dispose();
       old?.closing.dispose();
     }
+    const before = keepsView ? (this.mesh as Mesh | undefined) : undefined;
     this.mesh = mesh;
     this.shapes = shapes;
     this.prepared = [];
@@ -142,7 +148,8 @@ export class Scene {
     const finest = mesh.levels[mesh.levels.length - 1];
     this.facesInward = enclosedVolume(finest.positions, finest.triangles) < 0;
     this.material.uniforms.facesInward.value = this.facesInward;
-    this.camera.setHome(mesh.levels[mesh.levels.length - 1].positions);
+    if (before) this.camera.changeHome(finest.positions, fromTo(mesh.centre, before.centre));
+    else this.camera.setHome(finest.positions);
   }
 
   /** @returns the legend of the colours */
@@ -232,6 +239,7 @@ export class Scene {
 
   /** What is visible at pixel (x, y); null: the background. */
   pick(x: number, y: number): Picked | null {
+    if (!this.mesh) return null;
     const {positions, triangles} = this.mesh.levels[this.level];
     const {of} = this.shapes[this.level].components();
     const {from, along} = this.camera.rayAt(x, y);
@@ -281,6 +289,12 @@ export class Scene {
 
   private cutPosition(axis: number): number {
     return (2 * this.cuts[axis].share - 1) * this.mesh.half[axis];
+  }
+
+  /** Draws closed lines around the mesh, in place of the previous ones. */
+  setOutlines(outlines: Outline[]): void {
+    this.outlines.set(outlines);
+    this.camera.setReach(this.outlines.reach);
   }
 
   cut(axis: number, cut: Cut): void {
@@ -466,6 +480,9 @@ function perCorner(values: Uint8Array): Uint8Array {
   }
   return out;
 }
+
+const fromTo = (from: Triple, to: Triple): Vector3 =>
+  new Vector3(...to).sub(new Vector3(...from));
 
 /** A point in the coordinates of the file. */
 export function toFile(point: Vector3, centre: Triple): Triple {

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which components of the isosurface are kept: the largest ones, those that are large enough, those
+// near some points. Points are used, because the numbers of components change with the isovalue.
+import {button, problemLine} from "../controls";
+import type {Triple} from "../data";
+import {count, element, number, plural, type Child} from "../dom";
+import type {LevelShape} from "../level_shape";
+import {toFile} from "../scene";
+import type {MeshHeader, Option} from "./server";
+import {Vector3} from "three";
+
+/** A component that the user keeps or drops, at one of its vertices. */
+interface Point {
+  at: Triple;
+  /** What it was when it was chosen, for the user. */
+  text: string;
+}
+
+const LISTED = 8;
+
+/** What the user wants of a mesh that is shown. */
+export interface Selection {
+  shape: LevelShape;
+  centre: Triple;
+  unit: string;
+  isShown: (component: number) => boolean;
+}
+
+export class ComponentFilter {
+  private keep: Point[] = [];
+  private drop: Point[] = [];
+  private readonly largest = field("keep-largest", "Keep the N largest", "all");
+  private readonly smallest = field("drop-smaller", "Drop smaller than", "none");
+  private readonly sizeUnit: HTMLSelectElement;
+  private readonly problem = problemLine("keep-problem");
+  readonly onlyShown = button("keep-shown", "Keep only the shown ones", () => this.keepShown(), {
+    title: "In the mesh that is saved, too",
+  });
+  readonly fields: HTMLElement;
+  /** What the mesh does not contain. */
+  readonly notes = element("div", {id: "left-out"});
+
+  /** @param selection of the mesh that is shown; null: none, or not the final one */
+  constructor(
+    unit: string,
+    private readonly selection: () => Selection | null,
+    private readonly changed: () => void,
+  ) {
+    this.sizeUnit = element(
+      "select",
+      {id: "drop-smaller-unit", "aria-label": "Unit of the size"},
+      element("option", {value: "vx"}, "voxels"),
+      ...(unit ? [element("option", {value: ""}, `${unit}³`)] : []),
+    );
+    for (const input of [this.largest.input, this.smallest.input, this.sizeUnit])
+      input.addEventListener("change", () => this.typed());
+    this.fields = element(
+      "div",
+      {class: "pairs"},
+      this.largest.label,
+      this.largest.input,
+      this.smallest.label,
+      element("span", {class: "joined"}, this.smallest.input, this.sizeUnit),
+      this.problem,
+    );
+  }
+
+  /** Options of extract; those of fields that are not valid are left out. */
+  options(): Option[] {
+    const out: Option[] = [];
+    const largest = this.largest.input.value.trim();
+    const smallest = this.smallest.input.value.trim();
+    if (isCount(largest)) out.push(["keep-components", largest]);
+    if (isSize(smallest)) out.push(["min-component-size", `${smallest}${this.sizeUnit.value}`]);
+    for (const {at} of this.keep) out.push(["keep-near", at.join(",")]);
+    for (const {at} of this.drop) out.push(["drop-near", at.join(",")]);
+    return out;
+  }
+
+  /** Lists what the mesh does not contain. */
+  show(header: MeshHeader): void {
+    this.notes.replaceChildren(...this.leftOut(header));
+  }
+
+  private typed(): void {
+    const {largest, smallest} = this;
+    const problems = [
+      largest.input.value.trim() === "" || isCount(largest.input.value)
+        ? ""
+        : `Expected a whole number of components, 1 or more, got “${largest.input.value}”.`,
+      smallest.input.value.trim() === "" || isSize(smallest.input.value)
+        ? ""
+        : `Expected a volume above 0 like 10 or 2.5, got “${smallest.input.value}”.`,
+    ];
+    [largest, smallest].forEach(({input}, i) =>
+      input.setAttribute("aria-invalid", `${problems[i] !== ""}`),
+    );
+    this.problem.textContent = problems.filter(Boolean).join(" ");
+    if (!this.problem.textContent) this.changed();
+  }
+
+  private keepShown(): void {
+    const selection = this.selection();
+    if (!selection) return;
+    const {shape, isShown} = selection;
+    const all = shape.components().list.map((_, i) => i);
+    const [kept, hidden] = [all.filter(isShown), all.filter((i) => !isShown(i))];
+    if (hidden.length === 0 || kept.length === 0) return;
+    const isFiltered = this.options().length > 0;
+    if (!isFiltered && areLargest(shape, kept, hidden)) {
+      this.largest.input.value = `${kept.length}`;
+    } else if (kept.length <= hidden.length) {
+      // All other conditions hold for these components already.
+      this.clear();
+      this.keep = kept.map((i) => pointOf(selection, i));
+    } else {
+      this.drop = [...this.drop, ...hidden.map((i) => pointOf(selection, i))];
+    }
+    this.changed();
+  }
+
+  private clear(): void {
+    this.keep = [];
+    this.drop = [];
+    this.largest.input.value = "";
+    this.smallest.input.value = "";
+    this.problem.textContent = "";
+  }
+
+  private leftOut({dropped, dropped_components: listed, kept}: MeshHeader): Child[] {
+    const out: Child[] = [];
+    if (dropped > 0) {
+      const first = this.drop.length > 0 ? "" : sizes(listed);
+      out.push(
+        element(
+          "p",
+          {id: "dropped"},
+          `Left out: ${plural(dropped, "component")} of ${count(kept + dropped)}${first}.`,
+        ),
+      );
+    }
+    if (this.drop.length > 0)
+      out.push(
+        this.list(this.drop, (i) => {
+          this.drop.splice(i, 1);
+        }),
+      );
+    else if (this.keep.length > 0 && listed.length > 0) out.push(this.returnable(listed));
+    if (this.options().length > 0) {
+      const all = button("take-all", "Use all components again", () => {
+        this.clear();
+        this.changed();
+      });
+      out.push(element("div", {class: "buttons"}, all));
+    }
+    return out;
+  }
+
+  /** Dropped components, each with a button to use it again. */
+  private list(points: Point[], back: (index: number) => void): HTMLElement {
+    const rows = points.slice(0, 50).map(({text}, i) =>
+      this.row(text, () => {
+        back(i);
+        this.changed();
+      }),
+    );
+    return element("ul", {class: "returnable"}, ...rows);
+  }
+
+  /** The largest components that are not near the kept points. */
+  private returnable(listed: MeshHeader["dropped_components"]): HTMLElement {
+    const rows = listed.slice(0, LISTED).map(({size, position}) =>
+      this.row(`of ${number(size)} at ${place(position)}`, () => {
+        this.keep.push({at: position, text: ""});
+        this.changed();
+      }),
+    );
+    return element("ul", {class: "returnable"}, ...rows);
+  }
+
+  private row(text: string, back: () => void): HTMLElement {
+    const again = element("button", {type: "button", class: "small"}, "Use again");
+    again.setAttribute("aria-label", `Use again the component ${text}`);
+    again.addEventListener("click", back);
+    return element("li", {}, element("span", {}, text), again);
+  }
+}
+
+const isCount = (text: string): boolean => /^\s*[1-9]\d*\s*$/.test(text);
+const isSize = (text: string): boolean =>
+  /^\s*(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*$/i.test(text) && Number(text) > 0;
+
+function field(
+  id: string,
+  text: string,
+  placeholder: string,
+): {label: HTMLElement; input: HTMLInputElement} {
+  const input = element("input", {
+    id,
+    type: "text",
+    inputmode: "decimal",
+    autocomplete: "off",
+    placeholder,
+  });
+  return {label: element("label", {for: id}, text), input};
+}
+
+const place = (at: Triple): string => `(${at.map((v) => number(v, 4)).join(", ")})`;
+
+const sizes = (listed: MeshHeader["dropped_components"]): string =>
+  listed.length > 0 ? `, the largest of ${number(listed[0].size)}` : "";
+
+/**
+ * Whether the kept components are the largest ones by the volume that they enclose. Similar sizes
+ * are not compared, because those of the coarse mesh are not exact; nor are open components, whose
+ * size depends on how the volume boundary closes them.
+ */
+function areLargest(shape: LevelShape, kept: number[], hidden: number[]): boolean {
+  const measures = shape.measures();
+  if (![...kept, ...hidden].every((i) => shape.encloses(i))) return false;
+  const size = (i: number): number => Math.abs(measures[i].volume);
+  return Math.min(...kept.map(size)) > 1.1 * Math.max(...hidden.map(size));
+}
+
+/** A component at its first vertex, which is on the isosurface. */
+function pointOf({shape, centre, unit}: Selection, component: number): Point {
+  const {positions, triangles} = shape.level;
+  const {of, list} = shape.components();
+  const vertex = triangles[triangles.findIndex((v) => of[v] === component)];
+  const at = toFile(new Vector3().fromArray(positions, 3 * vertex), centre);
+  const {area} = shape.measures()[component];
+  return {
+    at,
+    text:
+      `of ${plural(list[component].triangles, "triangle")}, area ${number(area)}` +
+      `${unit ? ` ${unit}²` : ""}, at ${place(at)}`,
+  };
+}
