@@ -73,7 +73,7 @@ def with_new_sections(old, new):
 
     Sections that only the old page has are kept: other scripts and people write them.
     """
-    written = dict(sections(new))
+    written = {heading: text for heading, text in sections(new) if text.strip()}
     kept = [written.pop(heading, part) for heading, part in sections(old)]
     return "\n".join(kept + list(written.values()))
 

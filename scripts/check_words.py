@@ -126,7 +126,8 @@ EXCEPTIONS = [
         "",
         r"--border|Border::|Border border|enum class Border|parse_border|[.>]border\b|border_text|"
         r"[\"'`]border[\"'`]|border : \{|\bborder[:=]|Border>|\(Border |border` open|"
-        r"leave the border|components, border,",
+        r"leave the border|components, border,|[SG]etBorder|BorderType|BORDERS|[(>.]Border\b|"
+        r"int Border|Border:|\| Border \||name=\"Border",
         "the option for closed meshes",
     ),
     ("docs/report.md", r"with Shift", "a key"),

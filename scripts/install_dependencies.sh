@@ -6,7 +6,8 @@
 #     python    build, and the Python module
 #     docs      only the documentation site
 #     test      all of the above, and the tests
-#     hosts     test, and ParaView and what napari's window needs, for the tests of hosts
+#     hosts     test, and ParaView, admesh, PrusaSlicer and what napari's window needs, for the
+#               tests of hosts
 #     bench     test, and the benchmarks
 #     fuzz      only the core library with clang, and the fuzzers
 set -euo pipefail
@@ -28,7 +29,8 @@ test=("${python[@]}" "${package[@]}" "${docs[@]}" debootstrap fish pkg-config zs
   clang-14 libc++-14-dev libc++abi-14-dev clang-format
   python3-joblib python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage
   python3-tifffile python3-tqdm python3-vtk9 mypy valgrind)
-hosts=("${test[@]}" paraview libegl1 libgl1 libxkbcommon-x11-0 libdbus-1-3 libxcb-icccm4
+hosts=("${test[@]}" admesh paraview prusa-slicer
+  libegl1 libgl1 libxkbcommon-x11-0 libdbus-1-3 libxcb-icccm4
   libxcb-image0 libxcb-keysyms1 libxcb-randr0 libxcb-render-util0 libxcb-shape0 libxcb-xinerama0
   libxcb-cursor0)
 bench=("${test[@]}" python3-matplotlib)

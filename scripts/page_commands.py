@@ -9,7 +9,8 @@ PATH must contain the tool, and PYTHONPATH the Python module. The blocks of a pa
 bottom in a folder that contains only `samples`:
 
   ```console   lines that start with `$ ` are commands (a backslash at the end continues one); the
-               lines below are the output, errors included
+               lines below are the output, errors included. ```console NAME is skipped if the
+               program NAME is not on the PATH
   ```sh        a script; its exit status must be 0
   ```python    a snippet; it can use the names of earlier snippets. ```python NAME is skipped if the
                package NAME is not installed
@@ -99,9 +100,11 @@ def commands(code):
     return found
 
 
-def is_installed(package):
-    """Whether the Python package is installed."""
-    return importlib.util.find_spec({"vtk": "vtkmodules"}.get(package, package)) is not None
+def is_installed(language, name):
+    """Whether the Python package, or the program for a console block, is installed."""
+    if language == "console":
+        return shutil.which(name) is not None
+    return importlib.util.find_spec({"vtk": "vtkmodules"}.get(name, name)) is not None
 
 
 class Page:
@@ -138,7 +141,7 @@ class Page:
                 printed = None
             elif block["skip"]:
                 printed = None
-            elif block["needs"] and not is_installed(block["needs"]):
+            elif block["needs"] and not is_installed(language, block["needs"]):
                 self.skipped.append(block["needs"])
                 printed = None
             else:

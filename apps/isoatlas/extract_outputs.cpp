@@ -57,6 +57,7 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
       stream_file_(stream_of(arguments)),
       meshes_(stream_file_ ? stream_file_->path() : arguments.mesh, arguments.glb_per_level),
       others_(others_of(arguments)) {
+  if (arguments.level_files) level_meshes_.emplace(*arguments.level_files, false);
   std::vector<MeshOutputs::Other> named;
   std::string streamed = stream_file_ ? "mesh" : "";
   for (const MeshOutputs::Other& other : others_) {
@@ -74,6 +75,10 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
   meshes_.check(level_count,
                 is_standard_stream(arguments.volume.path) ? fs::path() : arguments.volume.path,
                 named);
+  if (level_meshes_) {
+    named.push_back({arguments.mesh, "mesh of the finest level"});
+    level_meshes_->check(level_count, arguments.volume.path, named);
+  }
   if (arguments.report && !is_standard_stream(*arguments.report))
     require_report_name(*arguments.report);
   if (arguments.page && !is_standard_stream(*arguments.page)) require_page_name(*arguments.page);
@@ -94,7 +99,14 @@ std::vector<FileRounding> ExtractOutputs::roundings(const Hierarchy& hierarchy,
 std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy,
                                                      const HierarchyFileInfo& info,
                                                      const RunControl* intersection_control) {
-  if (!stream_file_) return meshes_.write(hierarchy, info, files_, intersection_control);
+  if (!stream_file_) {
+    std::vector<ReportFile> written = meshes_.write(hierarchy, info, files_, intersection_control);
+    if (level_meshes_) {
+      const auto levels = level_meshes_->write(hierarchy, info, files_, intersection_control);
+      written.insert(written.end(), levels.begin(), levels.end());
+    }
+    return written;
+  }
   try {
     OutputFiles whole;
     std::vector<ReportFile> written = meshes_.write(hierarchy, info, whole, intersection_control);
@@ -134,7 +146,11 @@ void ExtractOutputs::discard() noexcept {
 std::string ExtractOutputs::names(std::size_t mesh_bytes) const {
   std::string text = kStandardOutputName;
   if (!stream_file_) {
-    const std::vector<fs::path> paths = meshes_.paths(level_count_);
+    std::vector<fs::path> paths = meshes_.paths(level_count_);
+    if (level_meshes_) {
+      const std::vector<fs::path> levels = level_meshes_->paths(level_count_);
+      paths.insert(paths.end(), levels.begin(), levels.end());
+    }
     text = paths.front().string() +
            (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
   }

@@ -53,7 +53,8 @@ class ExtractOutputs {
   std::optional<std::filesystem::path> stream_text_name_;
   std::string stream_text_;
   MeshOutputs meshes_;
-  std::vector<MeshOutputs::Other> others_;  ///< report, page and returned values
+  std::optional<MeshOutputs> level_meshes_;  ///< also all levels, as .vtp, which do not round
+  std::vector<MeshOutputs::Other> others_;   ///< report, page and returned values
   OutputFiles files_;
 };
 

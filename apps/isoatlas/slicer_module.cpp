@@ -147,7 +147,7 @@ void set_options(const ModuleWords& words, ExtractArguments& arguments) {
       }
     }
   }
-  arguments.goals = plan_levels(goals, arguments.coarse);
+  arguments.goals = plan_levels(goals, arguments.coarse, arguments.options.levels);
 }
 
 ExtractArguments arguments_of(const ModuleWords& words) {
@@ -168,6 +168,9 @@ ExtractArguments arguments_of(const ModuleWords& words) {
       refuse_call("--label: expected a whole number, got '" + words.values.at("label") + "'");
     if (*label != 0) arguments.label = *label;
   }
+  if (words.has("levelFolder") && !words.values.at("levelFolder").empty())
+    arguments.level_files =
+        std::filesystem::path(words.values.at("levelFolder")) / "level-{level}.vtp";
   if (words.has("returnparameterfile"))
     arguments.returned_values = words.values.at("returnparameterfile");
   set_options(words, arguments);

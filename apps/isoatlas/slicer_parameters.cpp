@@ -48,6 +48,15 @@ const std::vector<SlicerGroup>& groups() {
       {"boolean", "coarse", "Coarse mesh only",
        "The coarsest mesh that preserves the topology. The bounds are then only checked",
        "false"},
+      {"integer", "levels", "Number of levels",
+       "Make this number of levels of detail, 1 to 16. The finest has the largest distance above; "
+       "each coarser one has twice the bound of the next, or less, so that the coarsest keeps a "
+       "recognisable shape. 0: the coarse mesh and the finest level",
+       "0", {}, "levels", "0"},
+      {"directory", "levelFolder", "Folder of the levels",
+       "Also write all levels into this folder, which exists: level-0.vtp is the coarsest. Empty: "
+       "write only the output model, the finest level",
+       ""},
     }},
     {"Components", "Which components of the surface are kept", false, {
       {"integer", "keepComponents", "Number of components",
@@ -139,7 +148,8 @@ std::string parameter_xml(const SlicerParameter& parameter, std::string_view ind
   xml += element("label", parameter.label, 6);
   if (!parameter.default_value.empty()) xml += element("default", parameter.default_value, 6);
   if (parameter.type == "image") xml += element("channel", "input", 6);
-  if (parameter.type == "geometry" || is_result) xml += element("channel", "output", 6);
+  if (parameter.type == "geometry" || parameter.type == "directory" || is_result)
+    xml += element("channel", "output", 6);
   for (const std::string_view word : parameter.words) xml += element("element", word, 6);
   return xml + "    </" + type + ">\n";
 }

@@ -19,7 +19,7 @@ struct MeshFileInfo {
   /// header or a comment, if the format has one.
   std::string space;
   std::string comment;  ///< the program that wrote the file, e.g. "isoatlas 0.1.0"
-  /// The unit of the coordinates; unknown for sample indices. Only .3mf and .gii store it.
+  /// The unit of the coordinates; unknown for sample indices. Only .3mf, .gii and .stl store it.
   LengthUnit unit = LengthUnit::unknown;
   /// The number of triangles at the end of the mesh that are caps on the volume boundary
   /// (Hierarchy::Level::cap_triangles). If it is not 0, .ply and .vtp mark them by a property "cap"
@@ -54,7 +54,8 @@ struct StoredPositions {
 /// read back.
 ///
 /// A .3mf file always states a unit: units below a micrometre are converted to micrometres, and if
-/// `info.unit` is unknown, the file states millimetres with unchanged coordinates. A .gii file is
+/// `info.unit` is unknown, the file states millimetres with unchanged coordinates. An .stl file is
+/// in millimetres if the unit is known, as programs for printing expect. A .gii file is
 /// in RAS and in millimetres: space "LPS" is converted, and so is a known unit. Coordinates in a
 /// space other than "LPS" and "RAS" are stored unchanged and marked as unknown.
 /// StoredPositions::notes lists such changes.

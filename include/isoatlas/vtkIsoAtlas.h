@@ -21,8 +21,10 @@
 /// first, named "level 0", "level 1", ... Each has one vtkPolyData with N points (double, in the
 /// coordinates of the image) and T triangles, counter-clockwise seen from outside. In refined
 /// levels the point array "max_distance" (N floats) has, per point, the largest two-sided distance
-/// between isosurface and mesh near it. The field data has single values: "components", "genus",
-/// "boundary_loops", and "distance_at_most", a proved bound of the distance, if there is one.
+/// between isosurface and mesh near it. If the mesh is closed by caps, the cell array "cap" (T
+/// unsigned chars) is 1 on the caps, as in .vtp files; 0 elsewhere. The field data has single
+/// values: "components", "genus", "boundary_loops", and "distance_at_most", a proved bound of the
+/// distance, if there is one.
 ///
 /// Errors are VTK errors of one line (vtkErrorMacro); the output is then empty, and Update() does
 /// not throw. A violated bound is not an error, see GetViolations(). Cost: as isoatlas::extract().
@@ -45,6 +47,7 @@ class ISOATLAS_API vtkIsoAtlas : public vtkPartitionedDataSetCollectionAlgorithm
   enum TopologyType { TRILINEAR_TOPOLOGY, FACES };
   enum InterpolationType { TRILINEAR, TRICUBIC };
   enum PlacementType { SURFACE, BALANCED };
+  enum BorderType { OPEN, CLOSED };
 
   /// The isovalue. Default: 0. For integer samples use a value between two integers. SetIsoValue()
   /// is another name; SetValue(0, x) is that of VTK's contour filters.
@@ -83,6 +86,12 @@ class ISOATLAS_API vtkIsoAtlas : public vtkPartitionedDataSetCollectionAlgorithm
   vtkSetMacro(MinComponentSize, double);
   vtkGetMacro(MinComponentSize, double);
 
+  /// The mesh where the volume boundary cuts the surface: it ends there (OPEN, default), or planar
+  /// caps on the volume boundary close it (CLOSED), as if everything beyond were outside. CLOSED
+  /// with AllowSelfIntersections is an error.
+  vtkSetClampMacro(Border, int, OPEN, CLOSED);
+  vtkGetMacro(Border, int);
+
   /// Unit of MaxDistance, MeanDistance, MinEdge, MaxEdge and of the coarser levels: on, voxels (the
   /// smallest spacing of the image); off, world units. Default: on.
   vtkSetMacro(LengthsInVoxels, bool);
@@ -115,6 +124,13 @@ class ISOATLAS_API vtkIsoAtlas : public vtkPartitionedDataSetCollectionAlgorithm
   vtkSetMacro(MinAspect, double);  ///< shortest edge of a triangle / longest, between 0 and 1
   vtkGetMacro(MinAspect, double);
 
+  /// Number of levels, 1 to 16, whose bounds are chosen: the finest has MaxDistance, each coarser
+  /// one twice the bound of the next, or less, so that the coarsest keeps a recognisable shape. All
+  /// other bounds hold in every level, and the coarse mesh is not one of them. 0 (default): the
+  /// coarse mesh, the coarser levels that were added, and the finest. A number with
+  /// AddCoarserLevel() or CoarseOnly is an error.
+  vtkSetClampMacro(Levels, int, 0, 16);
+  vtkGetMacro(Levels, int);
   /// Adds a level that is coarser than the finest one, with an upper bound of its two-sided
   /// distance. Levels are in the order of the calls: largest distance first.
   void AddCoarserLevel(double maxDistance);
@@ -166,6 +182,8 @@ class ISOATLAS_API vtkIsoAtlas : public vtkPartitionedDataSetCollectionAlgorithm
   int MaxVertices = 0, MinVertices = 0;
   double MaxDistance = 0, MeanDistance = 0, NormalAngle = 0, AreaCurvature = 0, GeodesicRatio = 0;
   double MinEdge = 0, MaxEdge = 0, MinAspect = 0;
+  int Border = OPEN;
+  int Levels = 0;
   std::vector<double> CoarserLevels;
   bool CoarseOnly = false;
   int Placement = SURFACE;

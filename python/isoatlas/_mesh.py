@@ -377,6 +377,9 @@ class Mesh:
     def to_vtk(self, level: int = -1) -> vtkPolyData:
         """Copy a level to a ``vtkPolyData``. `Level.distance` becomes point array ``max_distance``.
 
+        If it was made with ``border="closed"``, the cell array ``cap`` is 1 on the caps and 0
+        elsewhere, as in ``.vtp`` files.
+
         Parameters
         ----------
         level : int
@@ -410,6 +413,11 @@ class Mesh:
             array = numpy_to_vtk(it.distance, deep=True)
             array.SetName("max_distance")
             mesh.GetPointData().AddArray(array)
+        if caps := it.report.get("caps"):
+            is_cap = np.arange(count) >= count - caps["triangles"]  # the caps are the last faces
+            array = numpy_to_vtk(is_cap.astype(np.uint8), deep=True)
+            array.SetName("cap")
+            mesh.GetCellData().AddArray(array)
         return mesh
 
     def to_pyvista(self, level: int = -1) -> pyvista.PolyData:

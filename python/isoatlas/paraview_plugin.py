@@ -29,9 +29,13 @@ from vtkmodules.vtkCommonDataModel import (
 )
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
-SIDES = ("above", "below")
-NAN = (None, "below", "above")
-PLACEMENTS = ("surface", "balanced")
+# The choices of the panel and the values of the options that they stand for.
+SIDES = {"Above the isovalue": "above", "Below the isovalue": "below"}
+NAN = {"Refuse": None, "Below the isovalue": "below", "Above the isovalue": "above"}
+PLACEMENTS = {"On the isosurface": "surface", "Balanced": "balanced"}
+BORDERS = {"Open": "open", "Closed by caps": "closed"}
+OUTPUTS = {"Finest level": False, "All levels": True}
+MOST_LEVELS = 16
 
 
 def _import_isoatlas():
@@ -101,8 +105,38 @@ def _fill(output, mesh, levels):
         output.GetMetaData(index).Set(vtkCompositeDataSet.NAME(), f"level {number}")
 
 
+def _property(kind, name, label, default, domain="", text="", advanced=False, hints=""):
+    """XML of a property with one value, which the method ``Set`` + name receives."""
+    visibility = "advanced" if advanced else "default"
+    return f"""
+<{kind}VectorProperty name="{name}" label="{label}" command="Set{name}" number_of_elements="1"
+    default_values="{default}" panel_visibility="{visibility}">
+  {domain}<Documentation>{text}</Documentation>{hints}
+</{kind}VectorProperty>"""
+
+
+def _choice(name, label, choices, text, advanced=False):
+    entries = "".join(
+        f'<Entry value="{index}" text="{entry}"/>' for index, entry in enumerate(choices)
+    )
+    domain = f'<EnumerationDomain name="enum">{entries}</EnumerationDomain>'
+    return _property("Int", name, label, 0, domain, text, advanced)
+
+
+def _switch(name, label, text, hints=""):
+    domain = '<BooleanDomain name="bool"/>'
+    return _property("Int", name, label, 0, domain, text, advanced=True, hints=hints)
+
+
+# A property that a number of levels makes useless is greyed out.
+WITHOUT_LEVELS = """<Hints>
+  <PropertyWidgetDecorator type="GenericDecorator" mode="enabled_state" property="Levels"
+      value="0"/>
+</Hints>"""
+
 # The panel has the properties in this order. Scripts name a property by its label without blanks.
-PROPERTIES = """
+PROPERTIES = "".join((
+    """
 <StringVectorProperty name="SelectInputScalars" label="Scalars"
     command="SetInputArrayToProcess" number_of_elements="5" element_types="0 0 0 0 2"
     animateable="0">
@@ -110,90 +144,72 @@ PROPERTIES = """
     <RequiredProperties><Property name="Input" function="Input"/></RequiredProperties>
   </ArrayListDomain>
   <Documentation>The point array to mesh.</Documentation>
-</StringVectorProperty>
-<DoubleVectorProperty name="Isovalue" command="SetIsovalue" number_of_elements="1"
-    default_values="0">
-  <ArrayRangeDomain name="range" default_mode="mid">
-    <RequiredProperties>
-      <Property name="Input" function="Input"/>
-      <Property name="SelectInputScalars" function="ArraySelection"/>
-    </RequiredProperties>
-  </ArrayRangeDomain>
-  <Documentation>
-    The value on the surface. For integer samples use a value between two integers.
-  </Documentation>
-</DoubleVectorProperty>
-<IntVectorProperty name="Inside" command="SetInside" number_of_elements="1" default_values="0">
-  <EnumerationDomain name="enum">
-    <Entry value="0" text="Above the isovalue"/>
-    <Entry value="1" text="Below the isovalue"/>
-  </EnumerationDomain>
-  <Documentation>The side that is inside the surface.</Documentation>
-</IntVectorProperty>
-<DoubleVectorProperty name="MaxDistance" label="Max Distance" command="SetMaxDistance"
-    number_of_elements="1" default_values="0.5">
-  <DoubleRangeDomain name="range" min="0.01" max="10"/>
-  <Documentation>
-    Upper bound of the two-sided distance between surface and mesh, in voxels (the smallest
-    spacing).
-  </Documentation>
-</DoubleVectorProperty>
-<IntVectorProperty name="MaxVertices" label="Max Vertices" command="SetMaxVertices"
-    number_of_elements="1" default_values="0">
-  <Documentation>
-    Largest number of vertices, which has priority over the distance. 0: no limit.
-  </Documentation>
-</IntVectorProperty>
-<IntVectorProperty name="KeepComponents" label="Keep Components" command="SetKeepComponents"
-    number_of_elements="1" default_values="0">
-  <Documentation>Keep only this number of largest components. 0: all.</Documentation>
-</IntVectorProperty>
+</StringVectorProperty>""",
+    _property(
+        "Double", "Isovalue", "Isovalue", 0,
+        """<ArrayRangeDomain name="range" default_mode="mid">
+  <RequiredProperties>
+    <Property name="Input" function="Input"/>
+    <Property name="SelectInputScalars" function="ArraySelection"/>
+  </RequiredProperties>
+</ArrayRangeDomain>""",
+        "The value on the surface. For integer samples use a value between two integers.",
+    ),
+    _choice("Inside", "Inside", SIDES, "The side that is inside the surface."),
+    _property(
+        "Double", "MaxDistance", "Max Distance", 0.5,
+        '<DoubleRangeDomain name="range" min="0.01" max="10"/>',
+        "Upper bound of the two-sided distance between surface and mesh, in voxels (the smallest "
+        "spacing).",
+    ),
+    _property(
+        "Int", "MaxVertices", "Max Vertices", 0,
+        text="Largest number of vertices, which has priority over the distance. 0: no limit.",
+    ),
+    _property(
+        "Int", "KeepComponents", "Keep Components", 0,
+        text="Keep only this number of largest components. 0: all.",
+    ),
+    _choice(
+        "Border", "Border", BORDERS,
+        "The mesh where the volume boundary cuts the surface: it ends there, or planar caps close "
+        "it. The cell array cap marks them.",
+    ),
+    _property(
+        "Int", "Levels", "Levels", 0, f'<IntRangeDomain name="range" min="0" max="{MOST_LEVELS}"/>',
+        "Number of levels whose bounds are chosen: each has half the bound of the previous one, or "
+        "more, and the finest has Max Distance. 0: only the levels of Coarser Levels.",
+    ),
+    f"""
 <DoubleVectorProperty name="CoarserLevels" label="Coarser Levels" command="AddCoarserLevel"
     clean_command="RemoveCoarserLevels" repeat_command="1" number_of_elements_per_command="1"
     use_index="0">
   <Documentation>
     Bounds of the distance of additional levels, in voxels, largest first.
-  </Documentation>
-</DoubleVectorProperty>
-<IntVectorProperty name="OutputLevels" label="Output Levels" command="SetOutputLevels"
-    number_of_elements="1" default_values="0">
-  <EnumerationDomain name="enum">
-    <Entry value="0" text="Finest level"/>
-    <Entry value="1" text="All levels"/>
-  </EnumerationDomain>
-  <Documentation>
-    All levels are shown on top of each other; hide blocks with the Multiblock Inspector.
-  </Documentation>
-</IntVectorProperty>
-<IntVectorProperty name="CoarseOnly" label="Coarse Only" command="SetCoarseOnly"
-    number_of_elements="1" default_values="0" panel_visibility="advanced">
-  <BooleanDomain name="bool"/>
-  <Documentation>Only the coarsest mesh that preserves the topology.</Documentation>
-</IntVectorProperty>
-<IntVectorProperty name="NaNSamples" label="NaN Samples" command="SetNaNSamples"
-    number_of_elements="1" default_values="0" panel_visibility="advanced">
-  <EnumerationDomain name="enum">
-    <Entry value="0" text="Refuse"/>
-    <Entry value="1" text="Below the isovalue"/>
-    <Entry value="2" text="Above the isovalue"/>
-  </EnumerationDomain>
-</IntVectorProperty>
-<IntVectorProperty name="Placement" command="SetPlacement" number_of_elements="1"
-    default_values="0" panel_visibility="advanced">
-  <EnumerationDomain name="enum">
-    <Entry value="0" text="On the isosurface"/>
-    <Entry value="1" text="Balanced"/>
-  </EnumerationDomain>
-  <Documentation>
-    Balanced: vertices are displaced so that the mesh lies evenly on both sides.
-  </Documentation>
-</IntVectorProperty>
-<IntVectorProperty name="AllowSelfIntersections" label="Allow Self Intersections"
-    command="SetAllowSelfIntersections" number_of_elements="1" default_values="0"
-    panel_visibility="advanced">
-  <BooleanDomain name="bool"/>
-</IntVectorProperty>
-"""
+  </Documentation>{WITHOUT_LEVELS}
+</DoubleVectorProperty>""",
+    _choice(
+        "OutputLevels", "Output Levels", OUTPUTS,
+        "All levels are shown on top of each other; hide blocks with the Multiblock Inspector.",
+    ),
+    _switch(
+        "CoarseOnly", "Coarse Only", "Only the coarsest mesh that preserves the topology.",
+        WITHOUT_LEVELS,
+    ),
+    _choice(
+        "NaNSamples", "NaN Samples", NAN, "The side of the isovalue on which NaN samples are.",
+        advanced=True,
+    ),
+    _choice(
+        "Placement", "Placement", PLACEMENTS,
+        "Balanced: vertices are displaced so that the mesh lies evenly on both sides.",
+        advanced=True,
+    ),
+    _switch(
+        "AllowSelfIntersections", "Allow Self Intersections",
+        "Keep triangles that intersect: faster, and fewer triangles.",
+    ),
+))
 
 
 @smproxy.filter(name="Isoatlas", label="Isoatlas")
@@ -223,13 +239,16 @@ class Isoatlas(VTKPythonAlgorithmBase):
             self._options[name] = value
             self.Modified()
 
+    def _choose(self, name, choices, index):
+        self._set(name, list(choices.values())[index])
+
     def SetIsovalue(self, value):
         if value != self._isovalue:
             self._isovalue = value
             self.Modified()
 
     def SetInside(self, side):
-        self._set("inside", SIDES[side])
+        self._choose("inside", SIDES, side)
 
     def SetMaxDistance(self, voxels):
         self._set("max_distance", f"{voxels!r}vx" if voxels > 0 else None)
@@ -239,6 +258,12 @@ class Isoatlas(VTKPythonAlgorithmBase):
 
     def SetKeepComponents(self, count):
         self._set("keep_components", count or None)
+
+    def SetBorder(self, choice):
+        self._choose("border", BORDERS, choice)
+
+    def SetLevels(self, count):
+        self._set("levels", count or None)
 
     def AddCoarserLevel(self, voxels):
         self._coarser.append(voxels)
@@ -258,10 +283,10 @@ class Isoatlas(VTKPythonAlgorithmBase):
         self._set("coarse", bool(flag))
 
     def SetNaNSamples(self, side):
-        self._set("nan", NAN[side])
+        self._choose("nan", NAN, side)
 
     def SetPlacement(self, choice):
-        self._set("placement", PLACEMENTS[choice])
+        self._choose("placement", PLACEMENTS, choice)
 
     def SetAllowSelfIntersections(self, flag):
         self._set("allow_self_intersections", bool(flag))
@@ -290,6 +315,9 @@ class Isoatlas(VTKPythonAlgorithmBase):
 
     def _mesh(self, image, samples):
         options = {name: value for name, value in self._options.items() if value is not None}
+        if options.get("levels") and (options.get("coarse") or self._coarser):
+            other = "Coarse Only" if options.get("coarse") else "Coarser Levels"
+            raise ValueError(f"Levels chooses all levels, expected it without {other}")
         if options.get("coarse"):
             options.pop("max_distance", None)  # the coarse mesh is not refined
         elif self._coarser:

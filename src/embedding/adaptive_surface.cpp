@@ -27,6 +27,15 @@ int integer_coordinates(Vec3 p) {
 
 constexpr std::size_t kPerChunk = 8192;  // c-vertices or faces, of a parallel loop
 
+// The multi-sheet grid cells are separated for the points on walls that later subdivisions insert.
+// These depend on nodes that parsing placed, so all positions are rounded first: the zero of the
+// field on a wall can lie just inside the wall for one position and just outside for the other.
+SurfaceComplex with_rounded_positions(SurfaceComplex complex) {
+  for_each_index(complex.positions.size(), kPerChunk,
+                 [&](std::size_t v) { complex.positions[v] = rounded(complex.positions[v]); });
+  return complex;
+}
+
 // The grid cell of a face that lies in one.
 GridCell grid_cell_of_face(const SurfaceComplex& complex, const Face& face) {
   Vec3 sum;
@@ -39,7 +48,7 @@ GridCell grid_cell_of_face(const SurfaceComplex& complex, const Face& face) {
 AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
                                  InterpolatedField field, const RunControl& control,
                                  std::optional<CapReference> caps)
-    : complex_(std::move(complex)),
+    : complex_(with_rounded_positions(std::move(complex))),
       components_(std::move(components)),
       nesting_(std::move(nesting)),
       field_(std::move(field)),
@@ -48,8 +57,6 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       multi_sheet_cells_(complex_, field_, control_),
       parsed_count_(complex_.c_vertex_count()),
       depth_(parsed_count_, 0) {
-  for_each_index(parsed_count_, kPerChunk,
-                 [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
   original_positions_ = complex_.positions;
   report_continuing(control_);
   multi_sheet_cells_.separate(complex_, control_);

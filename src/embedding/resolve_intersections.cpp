@@ -72,6 +72,8 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
                                             IntersectionTracker& tracker,
                                             const RunControl& control) {
   ResolvedIntersections out;
+  // 0: before the first round nothing is known, so cells that cannot become smaller are subdivided
+  // at once. Waiting a round changes the number of triangles by less than 0.1 %, and not the time.
   std::size_t pairs_before = 0;
   for (;; out.has_changed = true) {
     dual.update();

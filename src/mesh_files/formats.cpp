@@ -34,7 +34,7 @@ struct MeshFormat {
 
 constexpr std::array kMeshFormats{
     MeshFormat{".ply", io::read_ply, io::info_in_text, io::write_ply},
-    MeshFormat{".stl", io::read_stl, io::info_in_text, io::write_stl, true, false},
+    MeshFormat{".stl", io::read_stl, io::info_in_text, io::write_stl, true, false, io::form_in_stl},
     MeshFormat{".obj", io::read_obj, io::info_in_text, io::write_obj},
     MeshFormat{".off", io::read_off, io::info_in_text, io::write_off},
     MeshFormat{".vtp", io::read_vtp, io::info_in_vtp, io::write_vtp},

@@ -33,8 +33,8 @@ TriangleMesh read_3mf(const std::filesystem::path& path);
 TriangleMesh read_gii(const std::filesystem::path& path);
 
 // Facts that a file states in addition to the triangles.
-MeshFileInfo info_in_text(const std::filesystem::path& path);  ///< .ply, .stl, .obj, .off: reads
-                                                               ///< SPACE=... near the beginning
+/// .ply, .stl, .obj, .off: reads SPACE=... and UNIT=... near the beginning.
+MeshFileInfo info_in_text(const std::filesystem::path& path);
 MeshFileInfo info_in_vtp(const std::filesystem::path& path);
 MeshFileInfo info_in_3mf(const std::filesystem::path& path);
 MeshFileInfo info_in_gii(const std::filesystem::path& path);

@@ -140,6 +140,7 @@ void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   // Does not begin with "solid", which marks an ascii file. The space precedes the comment, which
   // may be cut.
   std::string header = info.space.empty() ? "STL" : "SPACE=" + info.space;
+  if (info.unit != LengthUnit::unknown) header += " UNIT=" + std::string(symbol(info.unit));
   header += info.comment.empty() ? "" : " " + info.comment;
   header.resize(kHeaderBytes, '\0');
   out.text(header);

@@ -11,6 +11,18 @@ using namespace detail;
 
 namespace {
 
+bool is_voxel_space(const MeshFileInfo& info) { return lower_case(info.space) == "voxel"; }
+
+/// Converts a known unit.
+/// @param format  with its article: "a .gii"
+void convert_to_millimetres(io::StoredForm& form, const std::string& format) {
+  const LengthUnit unit = form.info.unit;
+  if (unit == LengthUnit::unknown || unit == LengthUnit::millimetre) return;
+  form.info.unit = LengthUnit::millimetre;
+  convert_unit(form.mesh, unit, form.info.unit);
+  form.notes.push_back("the coordinates of " + format + " are in millimetres");
+}
+
 /// The number of smaller units in one larger unit; exactly an integer if it is one apart from
 /// rounding.
 double ratio(LengthUnit larger, LengthUnit smaller) {
@@ -52,7 +64,7 @@ StoredForm form_in_3mf(const TriangleMesh& mesh, const MeshFileInfo& info) {
   StoredForm form{mesh, info, {}};
   if (info.unit == LengthUnit::unknown) {
     form.info.unit = LengthUnit::millimetre;
-    form.notes.push_back(lower_case(info.space) == "voxel"
+    form.notes.push_back(is_voxel_space(info)
                              ? "a .3mf states a unit: its sample indices are read as millimetres"
                              : "a .3mf states a unit: millimetres, as the volume states none");
   } else if (info.unit == LengthUnit::angstrom || info.unit == LengthUnit::nanometre) {
@@ -65,6 +77,19 @@ StoredForm form_in_3mf(const TriangleMesh& mesh, const MeshFileInfo& info) {
     form.notes.push_back(
         "the mesh is open: it is a surface in the .3mf, which programs for printing may leave out");
   }
+  return form;
+}
+
+StoredForm form_in_stl(const TriangleMesh& mesh, const MeshFileInfo& info) {
+  StoredForm form{mesh, info, {}};
+  if (info.unit == LengthUnit::unknown) {
+    form.notes.push_back(is_voxel_space(info)
+                             ? "programs for printing read the sample indices of an .stl as "
+                               "millimetres"
+                             : "programs for printing read an .stl as millimetres: the volume "
+                               "states no unit");
+  }
+  convert_to_millimetres(form, "an .stl");
   return form;
 }
 
@@ -87,11 +112,8 @@ StoredForm form_in_gifti(const TriangleMesh& mesh, const MeshFileInfo& info) {
   if (info.unit == LengthUnit::unknown) {
     form.info.unit = LengthUnit::millimetre;
     form.notes.push_back("a .gii is read as millimetres: the volume states no unit");
-  } else if (info.unit != LengthUnit::millimetre) {
-    form.info.unit = LengthUnit::millimetre;
-    convert_unit(form.mesh, info.unit, form.info.unit);
-    form.notes.push_back("the coordinates of a .gii are in millimetres");
   }
+  convert_to_millimetres(form, "a .gii");
   return form;
 }
 

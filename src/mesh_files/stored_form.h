@@ -24,6 +24,9 @@ double convert_length(double length, LengthUnit from, LengthUnit to);
 /// converted to micrometres; a mesh without a unit is stated as millimetres, unchanged.
 StoredForm form_in_3mf(const TriangleMesh& mesh, const MeshFileInfo& info);
 
+/// Programs for printing read an STL file as millimetres. A known unit is converted to them.
+StoredForm form_in_stl(const TriangleMesh& mesh, const MeshFileInfo& info);
+
 /// A GIfTI file has the axes of the scanner, RAS, and millimetres. A mesh in LPS is converted to
 /// RAS, a known unit to millimetres. Sample indices and coordinates of an unknown space stay
 /// unchanged.

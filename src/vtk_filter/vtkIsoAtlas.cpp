@@ -2,6 +2,7 @@
 #include "isoatlas/vtkIsoAtlas.h"
 
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
@@ -20,6 +21,7 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <atomic>
@@ -171,6 +173,17 @@ void fill_triangles(vtkPolyData* mesh, const isoatlas::MeshView& view) {
   mesh->SetPolys(cells);
 }
 
+/// Marks the caps, which are the last triangles.
+void mark_caps(vtkPolyData* mesh, std::size_t cap_count) {
+  const vtkIdType count = mesh->GetNumberOfPolys();
+  const vtkIdType first_cap = count - static_cast<vtkIdType>(cap_count);
+  vtkNew<vtkUnsignedCharArray> caps;
+  caps->SetName("cap");
+  caps->SetNumberOfValues(count);
+  for (vtkIdType t = 0; t < count; ++t) caps->SetValue(t, t >= first_cap ? 1 : 0);
+  mesh->GetCellData()->AddArray(caps);
+}
+
 vtkNew<vtkPolyData> poly_data(const isoatlas::Extraction& result, std::size_t level) {
   vtkNew<vtkPolyData> mesh;
   const isoatlas::MeshView view = result.hierarchy.view(level);
@@ -185,6 +198,7 @@ vtkNew<vtkPolyData> poly_data(const isoatlas::Extraction& result, std::size_t le
     mesh->GetPointData()->AddArray(array);
   }
   const isoatlas::LevelReport& report = result.report.levels[level];
+  if (report.caps) mark_caps(mesh, report.caps->triangles);
   vtkFieldData* facts = mesh->GetFieldData();
   add_number(facts, "components", static_cast<long long>(report.topology.components));
   add_number(facts, "genus", static_cast<long long>(report.topology.genus));
@@ -248,8 +262,18 @@ struct vtkIsoAtlas::Run {
     return goal;
   }
 
+  void check_levels() const {
+    const char* other = filter.CoarseOnly               ? "CoarseOnly"
+                        : !filter.CoarserLevels.empty() ? "coarser levels"
+                                                        : nullptr;
+    if (filter.Levels > 0 && other != nullptr)
+      throw Error(ErrorCode::bad_argument,
+                  "SetLevels() chooses all levels, expected it without " + std::string(other));
+  }
+
   isoatlas::ExtractOptions options() const {
     using namespace isoatlas;
+    check_levels();
     ExtractOptions options;
     options.surface.isovalue = filter.Value;
     options.surface.inside =
@@ -268,6 +292,8 @@ struct vtkIsoAtlas::Run {
     options.components.min_size = filter.MinComponentSize;
     options.placement =
         filter.Placement == BALANCED ? isoatlas::Placement::balanced : isoatlas::Placement::surface;
+    options.border = filter.Border == CLOSED ? isoatlas::Border::closed : isoatlas::Border::open;
+    options.levels = static_cast<std::uint32_t>(filter.Levels);
     options.allow_self_intersections = filter.AllowSelfIntersections;
     options.refine.clear();
     if (!filter.CoarseOnly) {
@@ -378,6 +404,7 @@ void vtkIsoAtlas::PrintSelf(std::ostream& os, vtkIndent indent) {
      << indent << "Adaptive supersample: " << this->AdaptiveSupersample << "\n"
      << indent << "Keep components: " << this->KeepComponents << "\n"
      << indent << "Min component size: " << this->MinComponentSize << "\n"
+     << indent << "Border: " << (this->Border == CLOSED ? "closed" : "open") << "\n"
      << indent << "Lengths in voxels: " << (this->LengthsInVoxels ? "on" : "off") << "\n"
      << indent << "Max vertices: " << this->MaxVertices << "\n"
      << indent << "Max distance: " << this->MaxDistance << "\n"
@@ -389,6 +416,7 @@ void vtkIsoAtlas::PrintSelf(std::ostream& os, vtkIndent indent) {
      << indent << "Min edge: " << this->MinEdge << "\n"
      << indent << "Max edge: " << this->MaxEdge << "\n"
      << indent << "Min aspect: " << this->MinAspect << "\n"
+     << indent << "Levels: " << this->Levels << "\n"
      << indent << "Coarse only: " << (this->CoarseOnly ? "on" : "off") << "\n";
   for (const double distance : this->CoarserLevels)
     os << indent << "Coarser level: " << distance << "\n";

@@ -985,6 +985,8 @@ class Formats(ToolTest):
     def test_notes_name_the_changes_of_a_format(self):
         self.put_sphere()
         for name, note in (
+            ("s.stl", r"\n  note +programs for printing read an \.stl as millimetres: the volume "
+             r"states no unit\n"),
             ("s.3mf", r"\n  note +a \.3mf states a unit: millimetres, as the volume states none\n"),
             ("s.gii",
              r"\n  note +the coordinates of a \.gii are in RAS: x and y are those of LPS negated\n"
@@ -996,7 +998,7 @@ class Formats(ToolTest):
             self.assertEqual(len(file["notes"]),
                              2 if name == "s.gii" else 1)  # notes about space and unit
             self.assertEqual((file["space"], file["unit"]), ("RAS", "mm") if name == "s.gii" else
-                             ("LPS", "mm"))
+                             ("LPS", None if name == "s.stl" else "mm"))
         self.assertNotIn(
             "note", self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse"))
 
@@ -1013,13 +1015,14 @@ class Formats(ToolTest):
                  'space units: "nm" "nm" "nm"', "space directions: (2,0,0) (0,2,0) (0,0,2)",
                  "space origin: (100,200,300)"))
         distances = {}
-        for name in ("s.ply", "s.3mf", "s.gii"):
+        for name in ("s.ply", "s.3mf", "s.gii", "s.stl"):
             self.succeed("extract", "s.nrrd", "--iso", "0", "-o", name, "-q")
             distances[name] = json.loads(
                 self.succeed("check", name, "--volume", "s.nrrd", "--iso", "0",
                              "--json"))["distance"]["mean"]
         self.assertAlmostEqual(distances["s.3mf"], distances["s.ply"], places=9)
-        self.assertAlmostEqual(distances["s.gii"], distances["s.ply"], places=3)
+        for name in ("s.gii", "s.stl"):
+            self.assertAlmostEqual(distances[name], distances["s.ply"], places=3)
         if not distances["s.ply"] > 0:
             self.fail("nothing was measured")
 

@@ -32,6 +32,20 @@ def test_to_vtk():
     assert MESH.vertices[0, 0] != 1e3
 
 
+def test_caps_are_a_cell_array():
+    pytest.importorskip("vtkmodules", reason="VTK is not installed")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    assert MESH.to_vtk().GetCellData().GetArray("cap") is None
+    half = torus()[:, : torus().shape[1] // 2]
+    closed = isoatlas.extract(half, 0.0, order="ijk", border="closed", refine=["max-distance:1vx"])
+    for level in range(2):
+        caps = vtk_to_numpy(closed.to_vtk(level).GetCellData().GetArray("cap"))
+        it = closed.levels[level]
+        side = (it.vertices[it.faces, 1] == half.shape[1] - 1).all(axis=1)
+        assert np.array_equal(caps == 1, side) and side.any()
+
+
 def test_vtk_agrees_about_volume_and_edges():
     pytest.importorskip("vtkmodules", reason="VTK is not installed")
     from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties

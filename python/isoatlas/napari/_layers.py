@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any, Literal, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -65,10 +65,11 @@ def mesh_layer(
     *,
     smooth: float = 1.0,
     step: Sequence[int] | None = None,
-    levels: int = 1,
+    levels: int | None = None,
     max_distance: float = 0.5,
     max_vertices: int | None = None,
     keep_components: int | None = None,
+    border: Literal["open", "closed"] = "open",
     progress: ProgressLike = None,
     threads: int | None = None,
 ) -> Mesh:
@@ -90,12 +91,14 @@ def mesh_layer(
         thinner than about two voxels. 0: mesh the mask itself.
     step : indices, optional
         Position along the axes before the last three.
-    levels : int
-        Number of levels of detail after the coarsest, 1 or more. Their distances are
-        ``max_distance`` times 1, 2, 4, ...
+    levels : int, 1 to 16, optional
+        Number of levels of detail. The distance of the finest is ``max_distance``; each coarser one
+        has twice the distance of the next, or less, so that the coarsest keeps a recognisable
+        shape. Default: the coarsest mesh that preserves the topology, and one level within
+        ``max_distance``.
     max_distance : float
         Upper bound of the two-sided distance of the finest level, in voxels (smallest ``scale``).
-    max_vertices, keep_components, progress, threads
+    max_vertices, keep_components, border, progress, threads
         As for `isoatlas.extract`.
 
     Returns
@@ -108,8 +111,6 @@ def mesh_layer(
         As for `isoatlas.extract`; RGB images, images with fewer than 3 dimensions, and labels that
         do not occur are refused as ``ValueError``.
     """
-    if levels < 1:
-        raise BadArgumentError(f"levels: expected 1 or more, got {levels}")
     samples = layer_samples(layer, step)
     iso: Any = value
     if is_labels(layer):
@@ -124,9 +125,11 @@ def mesh_layer(
         iso,
         spacing=scale.tolist(),
         order="ijk",
-        refine=[{"max_distance": f"{max_distance * 2.0**k!r}vx"} for k in reversed(range(levels))],
+        levels=levels,
+        max_distance=f"{max_distance!r}vx",
         max_vertices=max_vertices,
         keep_components=keep_components,
+        border=border,
         progress=progress,
         threads=threads,
     )

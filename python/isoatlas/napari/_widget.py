@@ -63,12 +63,16 @@ class MeshWidget(Container):
             tooltip="Upper bound of the two-sided distance of the finest level",
         )
         self._count = SpinBox(
-            label="Levels", value=4, min=1, max=8,
-            tooltip="Levels of detail, each with half the distance of the previous one",
+            label="Levels", value=4, min=1, max=16,
+            tooltip="Levels of detail, each with about half the distance of the previous one",
         )
         self._keep = SpinBox(
             label="Components", value=0, min=0, max=10**6,
             tooltip="Keep only this number of largest components; 0: all",
+        )
+        self._closed = CheckBox(
+            text="Close with caps", value=False,
+            tooltip="Planar caps close the mesh where it leaves the image",
         )
         self._by_distance = CheckBox(text="Color by distance", value=False)
         self._run = PushButton(text="Mesh")
@@ -80,8 +84,8 @@ class MeshWidget(Container):
         super().__init__(
             widgets=[
                 self._layer, self._isovalue, self._label_number, self._smooth, self._distance,
-                self._count, self._keep, self._by_distance, self._run, self._bar, self._level,
-                self._triangles, self._topology, self._within,
+                self._count, self._keep, self._closed, self._by_distance, self._run, self._bar,
+                self._level, self._triangles, self._topology, self._within,
             ]
         )
         for fact in (self._triangles, self._topology, self._within):
@@ -139,6 +143,7 @@ class MeshWidget(Container):
             "levels": int(self._count.value),
             "max_distance": float(self._distance.value),
             "keep_components": int(self._keep.value) or None,
+            "border": "closed" if self._closed.value else "open",
         }
         self._source, self._fraction = layer, 0.0
         worker: FunctionWorker[Mesh] = create_worker(

@@ -48,19 +48,34 @@ def labels_of_two_balls():
 def test_image_layer():
     layer = Image(ball(), scale=(2, 0.5, 0.5), contrast_limits=(-1, 3))
     mesh = mesh_layer(layer, 0.0, max_distance=0.5, levels=3)
-    assert len(mesh.levels) == 4
+    assert len(mesh.levels) == 3
     expected = isoatlas.extract(
-        ball(), 0.0, spacing=(2, 0.5, 0.5), order="ijk",
-        refine=[{"max_distance": f"{bound}vx"} for bound in (2, 1, 0.5)],
+        ball(), 0.0, spacing=(2, 0.5, 0.5), order="ijk", levels=3, max_distance="0.5vx"
     )
     assert np.array_equal(mesh.vertices, expected.vertices)
+    assert len(mesh_layer(layer, 0.0).levels) == 2
     (vertices, faces, values), options, kind = surface_data(layer, mesh)
     assert kind == "surface" and np.all(values == 1)
-    assert np.allclose(vertices.mean(axis=0), (8, 9, 10), atol=0.3)  # in voxels
+    assert np.allclose(vertices.mean(axis=0), (8, 9, 10), atol=0.5)  # in voxels
     assert np.allclose(options["scale"], (2, 0.5, 0.5))
     assert enclosed(vertices, faces) == pytest.approx(4 / 3 * np.pi * 216, rel=0.1)
     colored, options, _ = surface_data(layer, mesh, color_by_distance=True)
     assert 0 < colored[2].max() <= 0.25 and options["colormap"] == "viridis"
+
+
+def test_caps():
+    half = ball()[:9]  # cut through the middle of the ball
+    layer = Image(half, scale=(2, 0.5, 0.5), contrast_limits=(-1, 3))
+    assert mesh_layer(layer, 0.0).report["levels"][-1]["boundary_loops"] == 1
+    (vertices, faces, _), _options, _kind = surface_data(
+        layer, mesh_layer(layer, 0.0, border="closed")
+    )
+    edges, count = np.unique(
+        np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0, return_counts=True
+    )
+    assert len(edges) and np.all(count == 2)
+    assert vertices[:, 0].max() == 8
+    assert enclosed(vertices, faces) == pytest.approx(2 / 3 * np.pi * 216, rel=0.1)
 
 
 def test_default_isovalue_is_in_the_middle_of_the_contrast_limits():
@@ -123,7 +138,7 @@ def test_what_cannot_be_meshed():
         mesh_layer(Image(np.zeros((6, 6))), 0.5)
     with pytest.raises(isoatlas.EmptySurfaceError):
         mesh_layer(Image(ball()), 100.0)
-    with pytest.raises(isoatlas.BadArgumentError, match="levels: expected 1 or more"):
+    with pytest.raises(isoatlas.BadArgumentError, match="levels: expected a whole number from 1"):
         mesh_layer(Image(ball()), 0.0, levels=0)
 
 
@@ -136,7 +151,7 @@ def test_script_on_the_page(tmp_path, monkeypatch):
     names = {}
     exec(compile(code, "napari.md", "exec"), names)
     assert [layer.name for layer in names["viewer"].layers] == ["protein", "protein mesh"]
-    assert (tmp_path / "protein.glb").is_file() and len(names["mesh"].levels) == 4
+    assert (tmp_path / "protein.glb").is_file() and len(names["mesh"].levels) == 3
 
 
 # ----------------------------------------------------------------------------------- the plugin
@@ -234,19 +249,30 @@ def test_widget_meshes_an_image(viewer):
     assert widget._isovalue.value == pytest.approx(0, abs=0.02)
     surface = run(widget, viewer)
     assert surface.name == "ball mesh"
-    assert widget._level.max == 4 and widget._level.value == 4 and widget._level.enabled
+    assert widget._level.max == 3 and widget._level.value == 3 and widget._level.enabled
     finest = len(surface.faces)
     assert widget._triangles.value == f"{finest:,}" and "genus 0" in widget._topology.value
     assert widget._within.value.endswith(" (proved)")
     assert float(widget._within.value.split()[0]) <= 0.51
     widget._level.value = 0
     assert len(surface.faces) < finest and widget._triangles.value == f"{len(surface.faces):,}"
-    widget._level.value = 4
+    widget._level.value = 3
     assert len(surface.faces) == finest
     widget._by_distance.value = True
     assert surface.colormap.name == "viridis" and surface.vertex_values.max() < 0.5
     widget._by_distance.value = False
     assert np.all(surface.vertex_values == 1)
+    assert "loop" not in widget._topology.value
+
+
+def test_widget_closes_the_mesh(viewer):
+    viewer.add_image(ball()[:9], name="half", contrast_limits=(-2, 2))
+    widget = widget_in(viewer)
+    run(widget, viewer)
+    assert widget._topology.value.endswith("1 boundary loop")
+    widget._closed.value = True
+    run(widget, viewer)
+    assert "loop" not in widget._topology.value
 
 
 def test_widget_follows_the_layers(viewer):
@@ -307,7 +333,7 @@ def test_screenshot(viewer, tmp_path):
     widget._keep.value = 1
     surface = run(widget, viewer)
     surface.wireframe.visible = True
-    widget._level.value = 3
+    widget._level.value = 2
     widget._by_distance.value = True
     labels.visible = False
     viewer.camera.angles = (20, 35, -60)

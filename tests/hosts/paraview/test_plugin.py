@@ -74,6 +74,12 @@ def arrays(block):
     return points, faces
 
 
+def index_of(image, point):
+    index = [0.0, 0.0, 0.0]
+    image.TransformPhysicalPointToContinuousIndex(point, index)
+    return index
+
+
 def enclosed(points, faces):
     a, b, c = (points[faces[:, k]] for k in range(3))
     return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
@@ -128,6 +134,37 @@ class Plugin(unittest.TestCase):
             self.assertEqual(block.GetFieldData().GetArray("genus").GetValue(0), 0)
         made.CoarserLevels = []
         self.assertEqual(len(blocks(made)[0]), 2)
+
+    def test_number_of_levels(self):
+        made = filter_of(producer(ball()), Isovalue=0.0, MaxDistance=0.2, Levels=3)
+        made.OutputLevels = "All levels"
+        found, names = blocks(made)
+        self.assertEqual(names, ["level 0", "level 1", "level 2"])
+        for k, block in enumerate(found):
+            distance = vtk_to_numpy(block.GetPointData().GetArray("max_distance"))
+            self.assertLessEqual(distance.max(), 0.5 * 0.8 / 2**k + 1e-6)
+        made.CoarserLevels = [1.0]
+        self.assertEqual(blocks(made)[0], [])  # refused: Levels chooses all levels
+        made.CoarserLevels = []
+        self.assertEqual(len(blocks(made)[0]), 3)
+
+    def test_caps(self):
+        image = ball()
+        made = filter_of(producer(image), Isovalue=-4.0)  # a ball of radius 10 leaves the volume
+        ((block,), _) = blocks(made)
+        self.assertGreater(block.GetFieldData().GetArray("boundary_loops").GetValue(0), 0)
+        self.assertIsNone(block.GetCellData().GetArray("cap"))
+        made.Border = "Closed by caps"
+        ((block,), _) = blocks(made)
+        self.assertEqual(block.GetFieldData().GetArray("boundary_loops").GetValue(0), 0)
+        points, faces = arrays(block)
+        caps = vtk_to_numpy(block.GetCellData().GetArray("cap"))
+        self.assertTrue(0 < caps.sum() < len(faces) and set(caps) == {0, 1})
+        index = np.array([index_of(image, point) for point in points])
+        sides = np.array(image.GetExtent(), float).reshape(3, 2)
+        on_side = np.isclose(index[:, :, None], sides, rtol=0, atol=1e-9)
+        is_planar = on_side[faces].all(axis=1).any(axis=(1, 2))
+        np.testing.assert_array_equal(is_planar, caps == 1)
 
     def test_array_and_side_are_chosen(self):
         source = producer(ball())

@@ -14,6 +14,7 @@ HEAD = [
 SIMPLE = {"boolean", "integer", "float", "double", "string"}
 ENUMERATIONS = {"string-enumeration", "integer-enumeration", "double-enumeration"}
 FILES = {"image", "geometry"}
+FOLDERS = {"directory"}
 # The order of the elements of a parameter. One of flag, longflag and index is expected.
 ORDER = [
     "name", "flag", "longflag", "index", "description", "label", "default", "channel",
@@ -29,7 +30,7 @@ def _problems_of_parameter(tag, names, flags):
     kind = tag.tag
     name = tag.findtext("name") or ""
     where = f"<{kind}> {name}"
-    if kind not in SIMPLE | ENUMERATIONS | FILES:
+    if kind not in SIMPLE | ENUMERATIONS | FILES | FOLDERS:
         yield f"{where}: unknown type"
     children = [child.tag for child in tag]
     places = [ORDER.index(child) if child in ORDER else -1 for child in children]
@@ -45,7 +46,7 @@ def _problems_of_parameter(tag, names, flags):
         if not (tag.findtext(child) or "").strip():
             yield f"{where}: no {child}"
     channel = tag.findtext("channel", "input")
-    is_result = channel == "output" and kind not in FILES
+    is_result = channel == "output" and kind not in FILES | FOLDERS
     places = [child for child in ("flag", "longflag", "index") if tag.find(child) is not None]
     # Slicer takes an output without a flag and without an index as a returned value.
     if len(places) != (0 if is_result else 1):
@@ -55,7 +56,7 @@ def _problems_of_parameter(tag, names, flags):
         if not re.fullmatch("-?-?[_a-zA-Z][_a-zA-Z0-9]*", flag) or flag in flags:
             yield f"{where}: flag '{flag}' is no flag, or is used twice"
         flags.add(flag)
-    if kind in FILES and "channel" not in children:
+    if kind in FILES | FOLDERS and "channel" not in children:
         yield f"{where}: no channel"
     elements = [element.text for element in tag.findall("element")]
     if (kind in ENUMERATIONS) != bool(elements):
@@ -71,7 +72,7 @@ def _problems_of_default(tag, where, elements, is_result):
     kind, default = tag.tag, tag.findtext("default")
     # Slicer passes every number and every word of an enumeration, so it needs a default.
     if default is None:
-        if kind not in FILES | {"string"} and not is_result:
+        if kind not in FILES | FOLDERS | {"string"} and not is_result:
             yield f"{where}: no default"
         return
     patterns = {
@@ -120,7 +121,8 @@ def command_line(module, files, values, returned=None):
     """The words that 3D Slicer passes to a module.
 
     Flags are in the order of the panel. Numbers and words of enumerations are always passed,
-    strings if they are not empty, booleans if they are true; files with an index come last.
+    strings and folders if they are not empty, booleans if they are true; files with an index come
+    last.
 
     Parameters
     ----------
@@ -137,6 +139,6 @@ def command_line(module, files, values, returned=None):
         value = values.get(parameter.name, parameter.default)
         if parameter.typ == "boolean":
             words += [parameter.longflag] if value in (True, "true") else []
-        elif parameter.typ != "string" or value:
+        elif parameter.typ not in ("string", "directory") or value:
             words += [parameter.longflag, str(value)]
     return words + [str(files[parameter.name]) for parameter in arguments]

@@ -235,6 +235,46 @@ def test_default_bound_is_that_of_the_command_line(module, tmp_path):
     assert run.model.read_bytes() == (tmp_path / "theirs.vtp").read_bytes()
 
 
+def test_levels(module, tmp_path):
+    """The model is the finest level; the folder has all of them, each coarser than the next."""
+    write_nrrd(tmp_path / VOLUME, ball(), (1, 1, 2), (0, 0, 0), np.eye(3))
+    folder = tmp_path / "levels of detail"
+    folder.mkdir()
+    run = Run(module, tmp_path, isovalue=0.25, levels=3, maxDistance="0.1vx", levelFolder=folder)
+    assert run.status == 0, run.errors
+    subprocess.run(
+        [TOOL, "extract", VOLUME, "--iso", "0.25", "--levels", "3", "--max-distance", "0.1vx",
+         "-q", "-o", "theirs-{level}.vtp"],
+        cwd=tmp_path,
+    )
+    written = sorted(folder.iterdir())
+    assert [path.name for path in written] == ["level-0.vtp", "level-1.vtp", "level-2.vtp"]
+    for level, path in enumerate(written):
+        assert path.read_bytes() == (tmp_path / f"theirs-{level}.vtp").read_bytes()
+    assert run.model.read_bytes() == written[2].read_bytes()
+    sizes = [len(read_model(path)[1]) for path in written]
+    assert sizes == sorted(sizes) and sizes[0] < sizes[2]
+    assert run.results()["triangles"] == str(sizes[2])
+
+
+def test_a_folder_without_a_number_of_levels(module, tmp_path):
+    write_nrrd(tmp_path / VOLUME, ball(), (1, 1, 1), (0, 0, 0), np.eye(3))
+    run = Run(module, tmp_path, isovalue=0.25, levelFolder=tmp_path)
+    assert run.status == 0, run.errors
+    assert (tmp_path / "level-0.vtp").is_file() and not (tmp_path / "level-2.vtp").exists()
+    assert (tmp_path / "level-1.vtp").read_bytes() == run.model.read_bytes()
+
+
+def test_caps(module, tmp_path):
+    write_nrrd(tmp_path / VOLUME, ball()[:9], (1, 1, 2), (0, 0, 0), np.eye(3))
+    run = Run(module, tmp_path, isovalue=0.0, border="closed", levels=2)
+    assert run.status == 0, run.errors
+    assert run.results()["boundaryLoops"] == "0"
+    vertices, faces, _ = read_model(run.model)
+    assert vertices[:, 2].max() == 16
+    assert enclosed(vertices, faces) == pytest.approx(2 / 3 * np.pi * 6**3 * 2, rel=0.15)
+
+
 def test_label_map(module, tmp_path):
     labels = np.zeros((18, 20, 22), np.int16)
     labels[ball() > 0] = 3
@@ -290,6 +330,9 @@ def test_violated_bounds_and_warnings_are_no_errors(module, tmp_path):
         ({"maxDistance": "near"}, "--maxDistance: expected a length"),
         ({"inside": "left"}, "--inside: expected one of above, below, got 'left'"),
         ({"supersample": 0}, "--supersample: "),
+        ({"levels": 17}, "--levels: expected a whole number from 1 to 16"),
+        ({"levels": 2, "coarse": True}, "--levels makes refined levels"),
+        ({"levelFolder": "missing"}, "missing"),
         ({"label": "x"}, "--label: expected a whole number, got 'x'"),
         ({"minComponentSize": "big"}, "--minComponentSize: expected a size"),
     ],

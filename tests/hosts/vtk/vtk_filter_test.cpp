@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <vtkCallbackCommand.h>
+#include <vtkCellData.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkExecutive.h>
 #include <vtkFeatureEdges.h>
@@ -287,6 +288,66 @@ TEST(VtkIsoAtlas, OtherProperties) {
       << filter->GetViolations();
 }
 
+/// Half a ball: the volume boundary cuts it in the middle.
+vtkNew<vtkImageData> half_ball() {
+  return ball(VTK_FLOAT, 6, {0, 20, 0, 19, 0, 9}, {10.2, 9.1, 0});
+}
+
+TEST(VtkIsoAtlas, ClosesTheMeshByCaps) {
+  vtkNew<vtkImageData> image = half_ball();
+  image->SetSpacing(0.5, 0.7, 1.1);
+  vtkNew<vtkIsoAtlas> filter;
+  filter->SetInputData(image);
+  filter->SetIsoValue(50);
+  filter->SetMaxDistance(0.2);
+  filter->Update();
+  EXPECT_EQ(fact(finest(filter), "boundary_loops"), 1);
+  EXPECT_EQ(finest(filter)->GetCellData()->GetArray("cap"), nullptr);
+
+  filter->SetBorder(vtkIsoAtlas::CLOSED);
+  filter->Update();
+  EXPECT_NEAR(oriented_volume(finest(filter)), 2.0 / 3 * std::numbers::pi * 216 * 0.5 * 0.7 * 1.1,
+              8);
+  for (unsigned int k = 0; k < 2; ++k) {
+    vtkPolyData* mesh = level(filter, k);
+    EXPECT_EQ(open_or_non_manifold_edges(mesh), 0);
+    EXPECT_EQ(fact(mesh, "boundary_loops"), 0);
+    vtkDataArray* caps = mesh->GetCellData()->GetArray("cap");
+    ASSERT_NE(caps, nullptr);
+    for (vtkIdType t = 0; t < mesh->GetNumberOfPolys(); ++t) {
+      double bounds[6];
+      mesh->GetCellBounds(t, bounds);
+      EXPECT_EQ(caps->GetTuple1(t), bounds[5] == 0 ? 1 : 0) << t;
+    }
+  }
+}
+
+TEST(VtkIsoAtlas, AWholeBallHasNoCaps) {
+  vtkNew<vtkIsoAtlas> filter;
+  filter->SetInputData(ball());
+  filter->SetIsoValue(50);
+  filter->SetBorder(vtkIsoAtlas::CLOSED);
+  filter->Update();
+  vtkDataArray* caps = finest(filter)->GetCellData()->GetArray("cap");
+  ASSERT_NE(caps, nullptr);
+  EXPECT_EQ(caps->GetRange()[1], 0);
+}
+
+TEST(VtkIsoAtlas, LevelsAreALadder) {
+  vtkNew<vtkIsoAtlas> filter;
+  filter->SetInputData(ball());
+  filter->SetIsoValue(50);
+  filter->SetLevels(3);
+  filter->SetMaxDistance(0.1);
+  filter->Update();
+  ASSERT_EQ(filter->GetOutput()->GetNumberOfPartitionedDataSets(), 3u);
+  for (unsigned int k = 0; k < 3; ++k)
+    EXPECT_LE(level(filter, k)->GetPointData()->GetArray("max_distance")->GetRange()[1],
+              0.4 / (1 << k) + 1e-6)
+        << k;
+  EXPECT_LT(level(filter, 0)->GetNumberOfPolys(), level(filter, 2)->GetNumberOfPolys());
+}
+
 // Bounds that 40 vertices cannot satisfy: each is reported as violated.
 TEST(VtkIsoAtlas, EveryBoundIsPassedOn) {
   vtkNew<vtkIsoAtlas> filter;
@@ -435,6 +496,26 @@ TEST(VtkIsoAtlas, ErrorsAreOneLineAndEmptyTheOutput) {
   flat->AllocateScalars(VTK_FLOAT, 1);
   expect_error(flat, 50, "samples");
 
+  const auto expect_refused = [](auto set, const std::string& part) {
+    vtkNew<vtkIsoAtlas> filter;
+    Errors errors(filter);
+    filter->SetInputData(ball());
+    filter->SetIsoValue(50);
+    set(filter.GetPointer());
+    filter->Update();
+    EXPECT_EQ(filter->GetOutput()->GetNumberOfPartitionedDataSets(), 0u) << part;
+    EXPECT_TRUE(errors.contain(part)) << part;
+  };
+  expect_refused([](vtkIsoAtlas* f) { f->SetLevels(2), f->CoarseOnlyOn(); },
+                 "SetLevels() chooses all levels, expected it without CoarseOnly");
+  expect_refused([](vtkIsoAtlas* f) { f->SetLevels(2), f->AddCoarserLevel(1); },
+                 "SetLevels() chooses all levels, expected it without coarser levels");
+  expect_refused([](vtkIsoAtlas* f) { f->SetLevels(2), f->SetNormalAngle(20); },
+                 "a number of levels needs a bound on max-distance");
+  expect_refused(
+      [](vtkIsoAtlas* f) { f->SetBorder(vtkIsoAtlas::CLOSED), f->AllowSelfIntersectionsOn(); },
+      "intersections");
+
   vtkNew<vtkIsoAtlas> filter;
   Errors errors(filter);
   filter->SetValue(1, 50);
@@ -460,6 +541,8 @@ TEST(VtkIsoAtlas, PrintsItself) {
   filter->Print(text);
   EXPECT_NE(text.str().find("Value: 12.5"), std::string::npos);
   EXPECT_NE(text.str().find("Coarser level: 4"), std::string::npos);
+  EXPECT_NE(text.str().find("Border: open"), std::string::npos);
+  EXPECT_NE(text.str().find("Levels: 0"), std::string::npos);
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ std::string what_is_wrong(const Extraction& e, const Samples& samples, double is
 
 TEST(ClosedMesh, RandomVolumes) {
   const int rounds = is_thorough() ? 25 : 6;
-  int with_caps = 0, unresolved = 0;
+  int with_caps = 0;
   for (int family = 0; family < kFamilies; ++family) {
     for (int seed = 0; seed < rounds; ++seed) {
       Random random(static_cast<std::uint64_t>(1000 * family + seed));
@@ -114,13 +114,6 @@ TEST(ClosedMesh, RandomVolumes) {
       ExtractOptions options = closed_options(0);
       options.space = Space::voxel;
       const Extraction e = extract(to_volume(samples), options);
-      if (e.finest().self_intersections != 0) {
-        // Not because of the caps: the open mesh has them as well.
-        options.border = Border::open;
-        ASSERT_GT(extract(to_volume(samples), options).finest().self_intersections, 0u) << seed;
-        ++unresolved;
-        continue;
-      }
       ASSERT_EQ(what_is_wrong(e, samples, 0), "")
           << name(static_cast<Family>(family)) << " " << seed << ", " << size[0] << " x " << size[1]
           << " x " << size[2];
@@ -128,7 +121,6 @@ TEST(ClosedMesh, RandomVolumes) {
     }
   }
   EXPECT_GT(with_caps, rounds * kFamilies / 2);
-  EXPECT_LE(unresolved, 1);  // docs/decisions/0011-users.md names it
 }
 
 TEST(ClosedMesh, CutShapesAtCoarseAndFineLevels) {

@@ -34,10 +34,11 @@ Ids all_of(const SurfaceComplex& complex) {
 }
 
 struct Parsed {
-  explicit Parsed(const Samples& samples, Vec3 spacing = {1, 1, 1})
+  explicit Parsed(const Samples& samples, Vec3 spacing = {1, 1, 1},
+                  Topology topology = Topology::trilinear)
       : volume(to_volume(samples, SampleType::int32, spacing)),
         field(volume.view, {0, Inside::above, NonFinite::refuse}),
-        complex(surface_of(samples, 0, Inside::above, spacing)),
+        complex(surface_of(samples, 0, Inside::above, spacing, topology)),
         multi_sheet(complex, field) {}
   SurfaceInGrid in() const { return {field, multi_sheet.flags()}; }
   std::vector<Fineness> fineness() const { return isoatlas::detail::fineness(complex, in()); }
@@ -736,6 +737,22 @@ TEST(AdaptiveSurface, SubdividesMultiSheetCellsAsAWhole) {
     EXPECT_TRUE(surface.touched().empty());
     EXPECT_EQ(surface.subdivision_count(), 2u + more);
   }
+}
+
+// In the grid cell (1, 0, 2), whose field has a tunnel, two surfels are close to each other. The
+// curve of one on the wall x = 1 ends at a sample equal to the isovalue: with an unrounded node it
+// would leave the wall just before, and its wall point would be another one.
+TEST(AdaptiveSurface, SeparatesSurfelsForTheWallPointsOfLaterSubdivisions) {
+  Samples samples = constant({3, 2, 4}, -1);
+  samples.values = {-1, -1, -1, -1, -1, -1,  // z = 0
+                    -1, -1, 1,  0,  1,  -1,  //
+                    0,  0,  1,  0,  -1, 0,   //
+                    -1, 0,  -2, -1, 0,  1};
+  const Parsed p(samples, {1, 1, 1}, Topology::faces);
+  AdaptiveSurface surface = p.adaptive();
+  for (int round = 0; round < 2; ++round) surface.subdivide(all_of(surface.complex()));
+  const TriangleMesh mesh = triangles_of(surface.complex());
+  EXPECT_TRUE(self_intersections(mesh.positions, mesh.triangles).empty());
 }
 
 // C-vertices around a sample of 1 among samples of -99 are within 0.01 of the walls.

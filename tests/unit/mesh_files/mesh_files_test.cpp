@@ -70,6 +70,44 @@ TEST(MeshFiles, StlKeepsFloatsAndTheOrderOfTriangles) {
   }
 }
 
+// Programs for printing read an .stl as millimetres.
+TEST(MeshFiles, StlIsInMillimetresIfTheUnitIsKnown) {
+  struct Row {
+    LengthUnit unit;
+    double scale;
+    std::string note;
+  };
+  const std::vector<Row> rows{{LengthUnit::millimetre, 1, ""},
+                              {LengthUnit::centimetre, 10, "are in millimetres"},
+                              {LengthUnit::inch, 25.4, "are in millimetres"},
+                              {LengthUnit::micrometre, 1e-3, "are in millimetres"},
+                              {LengthUnit::unknown, 1, "the volume states no unit"}};
+  for (const Row& row : rows) {
+    SCOPED_TRACE(symbol(row.unit));
+    const TempFolder folder;
+    const auto path = folder / "a.stl";
+    const StoredPositions stored = write_mesh(
+        octahedron(), path, {.space = "LPS", .comment = "isoatlas 0.1.0", .unit = row.unit});
+    ASSERT_EQ(stored.notes.size(), row.note.empty() ? 0U : 1U);
+    if (!row.note.empty()) {
+      EXPECT_NE(stored.notes[0].find(row.note), std::string::npos);
+    }
+    const LengthUnit unit = row.unit == LengthUnit::unknown ? row.unit : LengthUnit::millimetre;
+    EXPECT_EQ(stored.unit, unit);
+    EXPECT_EQ(mesh_file_info(path).unit, unit);
+    EXPECT_EQ(mesh_file_info(path).space, "LPS");
+    const TriangleMesh read = read_mesh(path);
+    EXPECT_NEAR(read.positions[read.triangles[0][0]].x, 1001.1 * row.scale, 1e-4 * row.scale);
+    EXPECT_NEAR(stored.largest_rounding, 0, 1e-4);  // in the unit of the mesh
+    EXPECT_GT(stored.largest_rounding, 1e-6);
+  }
+  const TempFolder folder;
+  EXPECT_NE(write_mesh(octahedron(), folder / "a.stl", {.space = "voxel", .comment = ""})
+                .notes.at(0)
+                .find("sample indices"),
+            std::string::npos);
+}
+
 TEST(MeshFiles, SameMeshSameBytesAndTheSpaceIsInThem) {
   for (const char* extension : kFormats) {
     SCOPED_TRACE(extension);

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Rewrites the section "Closed meshes" of docs/results.md: --border closed on the real volumes.
+
+  bench/closed.py ORACLE [--data FOLDER] [--only NAME ...] [--coarse] [--out FILE]
+
+Meshes all isosurfaces of TOPOLOGY.tsv with `--border closed`, at level 0 and within the default
+bound. ORACLE, a program from outside the project, compares each level with the volume with a layer
+of outside samples around it: the same topology, component by component, no boundary loops, no
+self-intersections. Planarity of the caps is checked here. Exit status 1: a level fails; 77: no data
+or no oracle.
+
+PYTHONPATH must contain the Python module of build/release. Takes about half an hour; --coarse, the
+test regression.closed, about two minutes: level 0 alone, and nothing is written without --out.
+"""
+
+import argparse
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+import isoatlas
+from results import with_new_sections
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+DATA = pathlib.Path(os.environ.get("ISOATLAS_TEST_DATA") or ROOT.parent / "shared" / "data")
+SKIPPED = 77
+TITLE = "## Closed meshes"
+INTRODUCTION = f"""{TITLE}
+
+Written by `bench/closed.py`: `--border closed --topology faces`, level 0 and the level within the
+default bound. An oracle from outside the project compares each level with the volume around which
+a layer of samples is outside: the topology component by component, boundary loops, and all pairs of
+triangles, exactly. "Off the boundary" is the largest distance of a cap from its face of the volume
+boundary, in voxels. "Time" is that of the extraction of both levels, divided by that of the open
+mesh.
+"""
+HEADER = [
+    "| isosurface | level | triangles | of them caps | topology | boundary loops "
+    "| intersecting pairs | off the boundary | time |",
+    "|---|---|---:|---:|---|---:|---:|---:|---:|",
+]
+
+
+def write_padded(path, array):
+    """The samples, [z, y, x], with a layer around them that is below all isovalues, as NRRD."""
+    kinds = {"f": (np.float64, "double"), "i": (np.int64, "int64"), "u": (np.int64, "int64")}
+    kind, name = kinds[array.dtype.kind]
+    below = np.nanmin(array).astype(kind) - 1
+    padded = np.pad(array.astype(kind), 1, constant_values=below)
+    sizes = " ".join(map(str, padded.shape[::-1]))
+    header = f"NRRD0004\ntype: {name}\ndimension: 3\nsizes: {sizes}\nendian: little\n"
+    path.write_bytes(f"{header}encoding: raw\n\n".encode() + padded.tobytes())
+
+
+def write_ply(path, vertices, faces):
+    rows = np.empty(len(faces), dtype=[("size", "u1"), ("corners", "<i4", 3)])
+    rows["size"], rows["corners"] = 3, faces
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
+        "property double x\nproperty double y\nproperty double z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    path.write_bytes(header.encode() + vertices.astype("<f8").tobytes() + rows.tobytes())
+
+
+def off_the_boundary(level, shape):
+    """The largest distance of a cap from its face of the volume boundary, in voxels."""
+    count = level.report["caps"]["triangles"]
+    if count == 0:
+        return 0.0
+    corners = level.vertices[level.faces[len(level.faces) - count :]]  # (count, 3, xyz)
+    largest = np.array(shape[::-1]) - 1
+    distance = np.concatenate([np.abs(corners), np.abs(corners - largest)], axis=2)
+    return float(distance.max(axis=1).min(axis=1).max())
+
+
+def verdict_on(oracle, folder, iso, level):
+    """The oracle's status and report about a level in voxel coordinates."""
+    write_ply(folder / "level.ply", level.vertices + 1, level.faces)
+    done = subprocess.run(
+        [oracle, "volume", folder / "padded.nrrd", "--iso", iso, "--mesh", folder / "level.ply",
+         "--mesh-space", "index", "--rules", "c", "--no-distance", "--self-intersections",
+         "--require", "c", "--json"],
+        capture_output=True, text=True,
+    )
+    if done.returncode not in (0, 1):
+        sys.exit(f"the oracle: exit status {done.returncode}: {done.stderr.strip()}")
+    return done.returncode, json.loads(done.stdout)["mesh"]["report"]
+
+
+def timed_extract(volume, iso, **options):
+    start = time.monotonic()
+    mesh = isoatlas.extract(volume, float(iso), topology="faces", space="voxel", **options)
+    return mesh, time.monotonic() - start
+
+
+def rows_of(oracle, folder, label, volume, iso, coarse):
+    """Yields the row of each level, and whether it passes."""
+    write_padded(folder / "padded.nrrd", volume.array)
+    mesh, seconds = timed_extract(volume, iso, border="closed", coarse=coarse)
+    ratio = seconds / timed_extract(volume, iso, coarse=coarse)[1]
+    for level in mesh.levels:
+        status, verdict = verdict_on(oracle, folder, iso, level)
+        pairs, loops = verdict["self_intersections"]["pairs"], verdict["boundary_loops"]
+        off = off_the_boundary(level, volume.array.shape)
+        is_first = level.number == 0
+        row = (
+            f"| {label if is_first else ''} | {'coarse' if is_first else 'default bound'} "
+            f"| {len(level.faces):,} | {level.report['caps']['triangles']:,} "
+            f"| {'equal' if status == 0 else 'differs'} | {loops} | {pairs} | {off:.2g} "
+            f"| {f'{ratio:.2f}' if is_first else ''} |"
+        )
+        yield row, status == 0 and loops == 0 and pairs == 0 and off <= 1e-9 * max(
+            volume.array.shape)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("oracle", type=pathlib.Path)
+    parser.add_argument("--data", type=pathlib.Path, default=DATA)
+    parser.add_argument("--only", nargs="*", default=[""], help="parts of the names of volumes")
+    parser.add_argument("--coarse", action="store_true")
+    parser.add_argument("--out", type=pathlib.Path)
+    args = parser.parse_args()
+    for needed in (args.oracle, args.data / "TOPOLOGY.tsv"):
+        if not needed.is_file():
+            print(f"SKIPPED: no {needed}")
+            return SKIPPED
+    with open(args.data / "TOPOLOGY.tsv") as file:
+        table = [row for row in csv.DictReader(file, delimiter="\t")
+                 if any(name in row["file"] for name in args.only)]
+    rows, failures = [], 0
+    with tempfile.TemporaryDirectory() as folder:
+        for entry in table:
+            volume = isoatlas.read(args.data / entry["file"])
+            label = f"{entry['file']}@{entry['isovalue']}"
+            for row, passes in rows_of(args.oracle, pathlib.Path(folder), label, volume,
+                                       entry["isovalue"], args.coarse):
+                rows.append(row)
+                failures += not passes
+                print(row if passes else f"{row} FAILED", flush=True)
+    summary = f"{len(rows) - failures} of {len(rows)} levels pass."
+    print(summary)
+    out = args.out or (None if args.coarse else ROOT / "docs/results.md")
+    if out:
+        text = "\n".join([INTRODUCTION, *HEADER, *rows, "", summary, ""])
+        out.write_text(with_new_sections(out.read_text(), text))
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
