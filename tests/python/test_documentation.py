@@ -80,6 +80,8 @@ def test_every_snippet_of_the_page_runs(tmp_path, monkeypatch, capsys):
 def test_readme_snippets_run(tmp_path, monkeypatch, capsys):
     blocks = snippets(README)
     assert any(language == "python" for language, _, _ in blocks)
+    # A small volume stands in for the embryo, which takes half a minute.
+    monkeypatch.setattr(isoatlas.examples, "load_embryo", lambda: isoatlas.Volume(50.5 + torus()))
     run(blocks, tmp_path, monkeypatch)
 
 
