@@ -80,6 +80,7 @@ int run_view(const ViewArguments& arguments, Interruption& interruption) {
 
   while (!interruption.requested() && !events.all_closed_for(kPatience))
     std::this_thread::sleep_for(kPoll);
+  interruption.finish();  // ending is what Ctrl-C is for here
   events.send(goodbye("isoatlas view has ended"));
   std::this_thread::sleep_for(kPoll);  // for the message to be sent
   return kSuccess;

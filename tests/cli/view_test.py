@@ -358,7 +358,12 @@ class LongWork(unittest.TestCase):
         self.end(self.events.close)
 
     def test_ends_with_ctrl_c(self):
+        idle = http.client.HTTPConnection("127.0.0.1", self.view.port)
+        idle.request("GET", self.view.base + "volume", headers={"Connection": "keep-alive"})
+        idle.getresponse().read()
+        self.addCleanup(idle.close)
         self.end(lambda: self.view.process.send_signal(signal.SIGINT))
+        self.assertEqual(self.view.process.stderr.read().count("\n"), 1, "what is printed at first")
 
 
 class Start(unittest.TestCase):

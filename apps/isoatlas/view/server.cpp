@@ -163,6 +163,7 @@ class ViewServer::Running {
   void set_up() {
     http_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     http_.set_tcp_nodelay(true);
+    http_.set_keep_alive_max_count(1);  // an idle connection would delay the end by seconds
     http_.set_payload_max_length(kMostBody);
     http_.set_default_headers(kHeaders);
     http_.set_pre_routing_handler([this](const Request& request, Response& response) {
