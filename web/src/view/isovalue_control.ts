@@ -120,6 +120,10 @@ export class IsovalueControl {
     this.field.setAttribute("aria-invalid", `${text !== ""}`);
   }
 
+  focus(): void {
+    this.handle.focus();
+  }
+
   /** @param settled false while the handle moves */
   set(value: number, settled: boolean): void {
     this.value = value;

@@ -6,7 +6,7 @@ import {section} from "../tables";
 import {Theme} from "../theme";
 import {toFile} from "../scene";
 import {Vector3} from "three";
-import {ComponentFilter} from "./component_filter";
+import {ComponentFilter, type Selection} from "./component_filter";
 import {Display} from "./display";
 import {Grid} from "./grid";
 import {defaultRange, palette, type GreyRange, type Rgb} from "./grey";
@@ -85,6 +85,7 @@ export class ViewPage {
     );
     this.filter = new ComponentFilter(
       volume.unit,
+      Math.min(...volume.spacing),
       () => this.selection(),
       () => this.optionsChanged(true),
     );
@@ -140,7 +141,11 @@ export class ViewPage {
       this.follower,
       () => this.shared.position,
       this.region,
-      {notes: () => [this.filter.notes], chosen: () => this.updateChoice()},
+      {
+        notes: () => [this.filter.notes],
+        chosen: () => this.updateChoice(),
+        focusHandle: () => this.isovalue.focus(),
+      },
       (id) => this.enlarge(id),
     );
   }
@@ -303,7 +308,7 @@ export class ViewPage {
       this.hasEnded || hidden.size === 0 || hidden.size >= all || !this.follower.isUpToDate;
   }
 
-  private selection(): ReturnType<ConstructorParameters<typeof ComponentFilter>[1]> {
+  private selection(): Selection | null {
     const {current} = this.meshView;
     if (!current || !this.follower.isUpToDate) return null;
     return {
