@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which components of the isosurface are kept: the largest ones, those that are large enough, those
 // near some points. Points are used, because the numbers of components change with the isovalue.
+import {Vector3} from "three";
+
 import {button, problemLine} from "../controls";
 import type {Triple} from "../data";
 import {count, element, number, plural, type Child} from "../dom";
 import type {LevelShape} from "../level_shape";
 import {toFile} from "../scene";
 import type {MeshHeader, Option} from "./server";
-import {Vector3} from "three";
 
 /** A component that the user keeps or drops, at one of its vertices. */
 interface Point {

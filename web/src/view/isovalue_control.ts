@@ -136,13 +136,18 @@ export class IsovalueControl {
   private listen(): void {
     this.field.addEventListener("input", () => this.typed(false));
     this.field.addEventListener("change", () => this.typed(true));
+    let isMoving = false;  // by a key that is pressed
     this.handle.addEventListener("keydown", (event) => {
       const to = this.keyValue(event);
       if (to === null || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
+      isMoving = true;
       this.set(to, false);
     });
-    this.handle.addEventListener("keyup", () => this.changed(true));
+    this.handle.addEventListener("keyup", () => {
+      if (isMoving) this.changed(true);
+      isMoving = false;
+    });
     const {chart} = this;
     let pointer: number | null = null;
     chart.addEventListener("pointerdown", (event) => {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `isoatlas view`: slices, mesh, isovalue, and what is saved.
+import {Vector3} from "three";
+
 import type {Triple} from "../data";
 import {count, element, number, readOnly} from "../dom";
+import {toFile} from "../scene";
 import {section} from "../tables";
 import {Theme} from "../theme";
-import {toFile} from "../scene";
-import {Vector3} from "three";
 import {ComponentFilter, type Selection} from "./component_filter";
 import {Display} from "./display";
 import {Grid} from "./grid";
