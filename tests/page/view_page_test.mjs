@@ -235,8 +235,14 @@ describe("isovalue", () => {
       assert.equal(await value(), 120.5);
       await upToDate(page);
       assert.equal(lastMesh(server).iso, "120.5");
-      await type(page, "#isovalue", 80);
+      const before = meshes(server).length;
+      await page.locator("#isovalue").fill("");
+      await page.locator("#isovalue").pressSequentially("80");
+      await page.keyboard.press("Enter");
       assert.equal(await value(), 80);
+      await upToDate(page);
+      assert.ok(!meshes(server).slice(before).some(({options}) => options[0][1] === "8"),
+        "no mesh of the first digit");
       await page.locator("#suggested-1").click();
       assert.equal(await value(), 99.5);
       await page.locator("#inside-below").click();

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which components of the isosurface are kept: the largest ones, those that are large enough, those
 // near some points. Points are used, because the numbers of components change with the isovalue.
+import {Vector3} from "three";
+
 import {button, problemLine} from "../controls";
 import type {Triple} from "../data";
 import {count, element, number, plural, type Child} from "../dom";
 import type {LevelShape} from "../level_shape";
 import {toFile} from "../scene";
 import type {MeshHeader, Option} from "./server";
-import {Vector3} from "three";
 
 /** A component that the user keeps or drops, at one of its vertices. */
 interface Point {
@@ -40,9 +41,14 @@ export class ComponentFilter {
   /** What the mesh does not contain. */
   readonly notes = element("div", {id: "left-out"});
 
-  /** @param selection of the mesh that is shown; null: none, or not the final one */
+  /**
+   * @param unit of lengths; "" if the volume states none
+   * @param spacing the smallest one of the volume
+   * @param selection of the mesh that is shown; null: none, or not the final one
+   */
   constructor(
-    unit: string,
+    private readonly unit: string,
+    private readonly spacing: number,
     private readonly selection: () => Selection | null,
     private readonly changed: () => void,
   ) {
@@ -72,9 +78,15 @@ export class ComponentFilter {
     const smallest = this.smallest.input.value.trim();
     if (isCount(largest)) out.push(["keep-components", largest]);
     if (isSize(smallest)) out.push(["min-component-size", `${smallest}${this.sizeUnit.value}`]);
-    for (const {at} of this.keep) out.push(["keep-near", at.join(",")]);
-    for (const {at} of this.drop) out.push(["drop-near", at.join(",")]);
+    for (const {at} of this.keep) out.push(["keep-near", this.pointText(at)]);
+    for (const {at} of this.drop) out.push(["drop-near", this.pointText(at)]);
     return out;
+  }
+
+  /** In hundredths of the smallest spacing: other components are farther away. */
+  private pointText(at: Triple): string {
+    const decimals = Math.min(Math.max(2 - Math.floor(Math.log10(this.spacing)), 0), 20);
+    return at.map((v) => `${Number(v.toFixed(decimals))}`).join(",");
   }
 
   /** Lists what the mesh does not contain. */
@@ -130,7 +142,7 @@ export class ComponentFilter {
   private leftOut({dropped, dropped_components: listed, kept}: MeshHeader): Child[] {
     const out: Child[] = [];
     if (dropped > 0) {
-      const first = this.drop.length > 0 ? "" : sizes(listed);
+      const first = listed[0] ? `, the largest of ${this.sizeText(listed[0].size)}` : "";
       out.push(
         element(
           "p",
@@ -170,7 +182,7 @@ export class ComponentFilter {
   /** The largest components that are not near the kept points. */
   private returnable(listed: MeshHeader["dropped_components"]): HTMLElement {
     const rows = listed.slice(0, LISTED).map(({size, position}) =>
-      this.row(`of ${number(size)} at ${place(position)}`, () => {
+      this.row(`${this.sizeText(size)} at ${place(position)}`, () => {
         this.keep.push({at: position, text: ""});
         this.changed();
       }),
@@ -178,9 +190,13 @@ export class ComponentFilter {
     return element("ul", {class: "returnable"}, ...rows);
   }
 
+  private sizeText(size: number): string {
+    return `volume ${number(size)}${this.unit ? ` ${this.unit}³` : ""}`;
+  }
+
   private row(text: string, back: () => void): HTMLElement {
     const again = element("button", {type: "button", class: "small"}, "Use again");
-    again.setAttribute("aria-label", `Use again the component ${text}`);
+    again.setAttribute("aria-label", `Use again the component of ${text}`);
     again.addEventListener("click", back);
     return element("li", {}, element("span", {}, text), again);
   }
@@ -207,9 +223,6 @@ function field(
 
 const place = (at: Triple): string => `(${at.map((v) => number(v, 4)).join(", ")})`;
 
-const sizes = (listed: MeshHeader["dropped_components"]): string =>
-  listed.length > 0 ? `, the largest of ${number(listed[0].size)}` : "";
-
 /**
  * Whether the kept components are the largest ones by the volume that they enclose. Similar sizes
  * are not compared, because those of the coarse mesh are not exact; nor are open components, whose
@@ -232,7 +245,7 @@ function pointOf({shape, centre, unit}: Selection, component: number): Point {
   return {
     at,
     text:
-      `of ${plural(list[component].triangles, "triangle")}, area ${number(area)}` +
+      `${plural(list[component].triangles, "triangle")}, area ${number(area)}` +
       `${unit ? ` ${unit}²` : ""}, at ${place(at)}`,
   };
 }

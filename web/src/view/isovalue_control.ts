@@ -18,6 +18,9 @@ const HEIGHTS: {value: Height; text: string}[] = [
   {value: "root", text: "Square root"},
 ];
 
+/** Whether a number is being typed, or the handle moves, or the isovalue is settled. */
+export type Change = "typed" | "moved" | "settled";
+
 export class IsovalueControl {
   value: number;
   private readonly bars = [drawn("path"), drawn("path")];
@@ -42,12 +45,13 @@ export class IsovalueControl {
     id: "isovalue-share",
     class: "soft",
     for: "isovalue",
+    "aria-live": "off",
   });
   private readonly chart = element("div", {class: "distribution", id: "histogram"});
   private readonly side = choice<Side>("inside", "Inside is", SIDES, () => this.sideChanged());
   private readonly nanSide = choice<Side>("nan", "", SIDES, () => {
     this.isNanChosen = true;
-    this.changed(true);
+    this.changed("settled");
   });
   private readonly height = choice<Height>("height", "Height of the histogram", HEIGHTS, () =>
     this.drawBars(),
@@ -58,10 +62,9 @@ export class IsovalueControl {
   /** Everything else. */
   readonly settings: HTMLElement;
 
-  /** @param changed gets whether the value is settled: false while the handle moves */
   constructor(
     private readonly volume: Volume,
-    private readonly changed: (settled: boolean) => void,
+    private readonly changed: (how: Change) => void,
   ) {
     this.value = volume.isovalue;
     const picture = (bars: SVGElement, name: string): SVGElement =>
@@ -120,25 +123,33 @@ export class IsovalueControl {
     this.field.setAttribute("aria-invalid", `${text !== ""}`);
   }
 
-  /** @param settled false while the handle moves */
-  set(value: number, settled: boolean): void {
+  focus(): void {
+    this.handle.focus();
+  }
+
+  set(value: number, how: Change): void {
     this.value = value;
     this.field.value = `${value}`;
     this.setProblem("");
     this.show();
-    this.changed(settled);
+    this.changed(how);
   }
 
   private listen(): void {
-    this.field.addEventListener("input", () => this.typed(false));
-    this.field.addEventListener("change", () => this.typed(true));
+    this.field.addEventListener("input", () => this.typed("typed"));
+    this.field.addEventListener("change", () => this.typed("settled"));
+    let isMoving = false;  // by a key that is pressed
     this.handle.addEventListener("keydown", (event) => {
       const to = this.keyValue(event);
       if (to === null || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
-      this.set(to, false);
+      isMoving = true;
+      this.set(to, "moved");
     });
-    this.handle.addEventListener("keyup", () => this.changed(true));
+    this.handle.addEventListener("keyup", () => {
+      if (isMoving) this.changed("settled");
+      isMoving = false;
+    });
     const {chart} = this;
     let pointer: number | null = null;
     chart.addEventListener("pointerdown", (event) => {
@@ -147,31 +158,30 @@ export class IsovalueControl {
       chart.setPointerCapture(pointer);
       event.preventDefault();
       this.handle.focus({preventScroll: true});
-      this.set(this.valueAt(event.clientX), false);
+      this.set(this.valueAt(event.clientX), "moved");
     });
     chart.addEventListener("pointermove", (event) => {
-      if (event.pointerId === pointer) this.set(this.valueAt(event.clientX), false);
+      if (event.pointerId === pointer) this.set(this.valueAt(event.clientX), "moved");
     });
     const up = (event: PointerEvent): void => {
       if (event.pointerId !== pointer) return;
       pointer = null;
-      this.changed(true);
+      this.changed("settled");
     };
     chart.addEventListener("pointerup", up);
     chart.addEventListener("pointercancel", up);
   }
 
-  private typed(settled: boolean): void {
+  private typed(how: Change): void {
     const parsed = parseIsovalue(this.field.value, this.volume);
     if ("problem" in parsed) {
       this.setProblem(parsed.problem);
       return;
     }
     this.setProblem("");
-    if (parsed.value === this.value && !settled) return;
     this.value = parsed.value;
     this.show();
-    this.changed(settled);
+    this.changed(how);
   }
 
   private keyValue({key, shiftKey}: KeyboardEvent): number | null {
@@ -209,7 +219,7 @@ export class IsovalueControl {
   private sideChanged(): void {
     if (!this.isNanChosen) this.setNanOutside();
     this.show();
-    this.changed(true);
+    this.changed("settled");
   }
 
   private setNanOutside(): void {
@@ -273,7 +283,7 @@ export class IsovalueControl {
       element(
         "li",
         {},
-        button(`suggested-${i + 1}`, `${isovalue}`, () => this.set(isovalue, true), {
+        button(`suggested-${i + 1}`, `${isovalue}`, () => this.set(isovalue, "settled"), {
           class: "small",
         }),
         element("span", {class: "soft"}, reason),

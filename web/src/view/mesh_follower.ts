@@ -97,6 +97,11 @@ export class MeshFollower {
     void this.start(options);
   }
 
+  /** Makes the mesh of these options, also if it is being made or was cancelled. */
+  restart(options: Option[]): void {
+    if (!this.isStopped && !this.isUpToDate) void this.start(options);
+  }
+
   cancel(): void {
     if (!this.running) return;
     const {request} = this.running;

@@ -155,7 +155,7 @@ export class MeshOptions {
     this.radius = new NumberField(
       {
         name: "max-radius",
-        text: "Triangles of the shown mesh, at most",
+        text: "Size of the shown triangles, at most",
         units: lengths,
         placeholder: `${Math.max(LEAST_RADIUS, Math.round(side / RADII_PER_SIDE))}`,
         problem: positive,

@@ -68,14 +68,15 @@ export class MeshView {
   /**
    * @param follower makes the meshes
    * @param position the sample at which the slices intersect
-   * @param host what is shown above the list of components; what follows when others are chosen
+   * @param host what is shown above the list of components; what follows when others are chosen;
+   *        what has the focus after Cancel, which disappears
    */
   constructor(
     private readonly grid: Grid,
     private readonly follower: MeshFollower,
     private readonly position: () => Triple,
     private readonly region: Region,
-    private readonly host: {notes: () => Child[]; chosen: () => void},
+    private readonly host: {notes: () => Child[]; chosen: () => void; focusHandle: () => void},
     enlarge: (id: string) => void,
   ) {
     const picture = element("div", {class: "picture"}, this.canvas, this.overlay.svg);
@@ -307,6 +308,7 @@ export class MeshView {
     const line = this.lineText();
     if (this.line.textContent !== line) this.line.textContent = line;
     this.line.classList.toggle("bad", follower.problem !== "");
+    if (!running && document.activeElement === this.stop) this.host.focusHandle();
     this.stop.hidden = !running;
     this.bar.hidden = !running;
     // Not in the line, which screen readers read when it changes.

@@ -121,8 +121,8 @@ export class Server {
     return (await (await this.get(name, init)).json()) as T;
   }
 
-  /** Receives messages. @returns when the first ones can arrive */
-  listen(): Promise<void> {
+  /** Receives messages. @param opened called when they can arrive, at first and after a gap */
+  listen(opened: () => void): void {
     const events = new EventSource("events");
     this.events = events;
     events.addEventListener("message", ({data}) => {
@@ -135,7 +135,7 @@ export class Server {
       // The browser connects again. If there is no server any more, it would try for ever.
       else setTimeout(() => void this.probe(), PROBE_AFTER);
     });
-    return new Promise((done) => events.addEventListener("open", () => done(), {once: true}));
+    events.addEventListener("open", opened);
   }
 
   private async probe(): Promise<void> {

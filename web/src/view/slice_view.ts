@@ -52,7 +52,8 @@ export class SliceView {
   readonly canvas: HTMLCanvasElement;
   readonly field: HTMLElement;
   private readonly slider: HTMLInputElement;
-  private readonly name = element("output");
+  // Not live: the slider, which has the focus, has the same text.
+  private readonly name = element("output", {"aria-live": "off"});
   private readonly readout: HTMLOutputElement;
   private readonly plane: Plane;
   private readonly id: string;
@@ -90,7 +91,11 @@ export class SliceView {
       "aria-roledescription": "slice",
       "aria-describedby": "help",
     });
-    this.readout = element("output", {class: "under-pointer", id: `${this.id}-readout`});
+    this.readout = element("output", {
+      class: "under-pointer",
+      id: `${this.id}-readout`,
+      "aria-live": "off",
+    });
     this.name.setAttribute("for", this.slider.id);
     const title = this.plane.name
       ? [`${this.plane.name} `, element("span", {class: "soft"}, `across ${letter}`)]

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `isoatlas view`: slices, mesh, isovalue, and what is saved.
+import {Vector3} from "three";
+
 import type {Triple} from "../data";
 import {count, element, number, readOnly} from "../dom";
+import {toFile} from "../scene";
 import {section} from "../tables";
 import {Theme} from "../theme";
-import {toFile} from "../scene";
-import {Vector3} from "three";
-import {ComponentFilter} from "./component_filter";
+import {ComponentFilter, type Selection} from "./component_filter";
 import {Display} from "./display";
 import {Grid} from "./grid";
 import {defaultRange, palette, type GreyRange, type Rgb} from "./grey";
-import {IsovalueControl} from "./isovalue_control";
+import {IsovalueControl, type Change} from "./isovalue_control";
 import {MeshFollower} from "./mesh_follower";
 import {MeshOptions} from "./mesh_options";
 import {MeshView} from "./mesh_view";
@@ -21,6 +22,7 @@ import {Refused, Server, type Message, type Option, type Volume} from "./server"
 import {SliceStore} from "./slice_store";
 import {SliceView, type Shared} from "./slice_view";
 
+const TYPING_PAUSE = 350;  // ms
 const TINT: Rgb = [79, 180, 255];
 
 const HELP: [string, string][] = [
@@ -59,6 +61,7 @@ export class ViewPage {
   private readonly ended = element("p", {class: "ended", role: "alert", id: "ended"});
   private readonly cross = element("output", {id: "cross-value"});
   private hasEnded = false;
+  private typing = 0;
 
   constructor(
     private readonly server: Server,
@@ -68,7 +71,7 @@ export class ViewPage {
     this.grid = new Grid(volume);
     this.region = new Region(volume.size);
     volume.roi?.forEach((ends, axis) => this.region.set(axis, ends as Ends));
-    this.isovalue = new IsovalueControl(volume, (settled) => this.isovalueChanged(settled));
+    this.isovalue = new IsovalueControl(volume, (how) => this.isovalueChanged(how));
     this.follower = new MeshFollower(
       server,
       (shown) => {
@@ -85,6 +88,7 @@ export class ViewPage {
     );
     this.filter = new ComponentFilter(
       volume.unit,
+      Math.min(...volume.spacing),
       () => this.selection(),
       () => this.optionsChanged(true),
     );
@@ -140,7 +144,11 @@ export class ViewPage {
       this.follower,
       () => this.shared.position,
       this.region,
-      {notes: () => [this.filter.notes], chosen: () => this.updateChoice()},
+      {
+        notes: () => [this.filter.notes],
+        chosen: () => this.updateChoice(),
+        focusHandle: () => this.isovalue.focus(),
+      },
       (id) => this.enlarge(id),
     );
   }
@@ -152,9 +160,11 @@ export class ViewPage {
     this.goTo(this.shared.position);
     this.meshChanged();
     this.updateChoice();
-    void this.server.listen().then(() => {
-      this.optionsChanged(true);
+    this.server.listen(() => {
+      // Messages may have been lost before.
+      this.follower.restart(this.shownOptions());
       document.documentElement.dataset.ready = "";
+      this.saving.updateCommand();
     });
   }
 
@@ -274,10 +284,14 @@ export class ViewPage {
     return out;
   }
 
-  private isovalueChanged(settled: boolean): void {
+  private isovalueChanged(how: Change): void {
     this.shared.rule = this.isovalue.rule;
     this.updateSlices();
-    this.optionsChanged(settled);
+    // The first digits of a number are another isovalue, whose mesh is not needed.
+    clearTimeout(this.typing);
+    if (how === "typed")
+      this.typing = window.setTimeout(() => this.optionsChanged(false), TYPING_PAUSE);
+    else this.optionsChanged(how === "settled");
   }
 
   private regionChanged(settled: boolean): void {
@@ -303,7 +317,7 @@ export class ViewPage {
       this.hasEnded || hidden.size === 0 || hidden.size >= all || !this.follower.isUpToDate;
   }
 
-  private selection(): ReturnType<ConstructorParameters<typeof ComponentFilter>[1]> {
+  private selection(): Selection | null {
     const {current} = this.meshView;
     if (!current || !this.follower.isUpToDate) return null;
     return {
