@@ -65,9 +65,10 @@ class ImageDataAccessor:
         Returns
         -------
         pyvista.PolyData or pyvista.MultiBlock
-            The finest level, with the point data ``max_distance`` (as `Level.distance`); or with
-            ``all_levels`` a MultiBlock, ``"level 0"`` (the coarsest) to the finest. Coordinates are
-            those of the grid. The field data ``"isoatlas_report"`` is the report of the extraction
+            The finest level, with the point data ``max_distance`` (as `Level.distance`) and, with
+            ``border="closed"``, the cell data ``cap``, 1 on caps; or with ``all_levels`` a
+            MultiBlock, ``"level 0"`` (the coarsest) to the finest. Coordinates are those of the
+            grid. The field data ``"isoatlas_report"`` is the report of the extraction
             (`Mesh.report`) as JSON.
 
         Raises
