@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page/page.h"
 
-#include <vtkBase64Utilities.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "isoatlas/error.h"
 #include "isoatlas/version.h"
+#include "mesh_files/base64.h"
 #include "page/assets.h"
 #include "page/geometry.h"
 
@@ -16,14 +15,6 @@ namespace isoatlas::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string base64(const std::string& bytes) {
-  std::string out(4 * ((bytes.size() + 2) / 3), '\0');
-  const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
-  out.resize(
-      vtkBase64Utilities::Encode(from, bytes.size(), reinterpret_cast<unsigned char*>(out.data())));
-  return out;
-}
 
 std::string in_html(const std::string& text) {
   std::string out;
@@ -83,7 +74,7 @@ std::string page_html(std::span<const PageEntry> entries, const std::filesystem:
       "<script type=\"application/json\" id=\"isoatlas-data\">";
   out += in_script(json);
   out += "</script>\n<script type=\"text/plain\" id=\"isoatlas-geometry\">";
-  out += base64(geometry);
+  out += io::to_base64(geometry);
   out += "</script>\n<script>\n";
   out += page::script();
   out += "\n</script>\n</body>\n</html>\n";
