@@ -2745,7 +2745,7 @@ class PictureLibrary(ToolTest):
         for name in ("libvtk", "libX11", "libGL", "libOpenGL"):
             self.assertNotIn(name, libraries)
 
-    def test_one_line_says_what_is_missing(self):
+    def test_one_line_names_what_is_missing(self):
         line = self.refuse_picture(
             "this library draws pictures, and it is missing: install isoatlas as a whole")
         library = pathlib.Path(re.search(r"error: (/.*?/isoatlas_picture.so)", line)[1])
