@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the extension isoatlas._core with CMake for `pip install .`.
+"""Builds the extension isoatlas._core and the command-line tool with CMake for `pip install .`.
 
 Everything else is in pyproject.toml. The environment variable CMAKE_ARGS is added to the arguments
-of CMake; CMAKE_BUILD_PARALLEL_LEVEL is the number of compilers that run at a time.
+of CMake; with -DISOATLAS_BUILD_TOOL=OFF in it, only the extension is built.
+CMAKE_BUILD_PARALLEL_LEVEL is the number of compilers that run at a time. ISOATLAS_CMAKE_FOLDER is
+the build folder of CMake, which a later build can reuse.
 """
 
 import os
@@ -33,31 +35,43 @@ def pybind11_arguments():
     return [f"-Dpybind11_DIR={pybind11.get_cmake_dir()}"]
 
 
-def copy_samples(folder):
-    """The volumes of isoatlas.examples."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in ("LICENSE-samples.txt", "embryo.nrrd", "protein_iron.nhdr", "protein_iron.raw"):
-        shutil.copy2(ROOT / "samples" / name, folder / name)
+def copy_files(source, target, names):
+    for name in names:
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(source / name, target / name)
+
+
+# The volumes of isoatlas.examples.
+SAMPLES = ("LICENSE-samples.txt", "embryo.nrrd", "protein_iron.nhdr", "protein_iron.raw")
+# The tool, what it loads to draw pictures, and the module of 3D Slicer.
+TOOL_FILES = ("bin/isoatlas", "lib/isoatlas/isoatlas_picture.so", "slicer/IsoAtlas")
 
 
 class CMakeBuild(build_ext):
     def build_extension(self, extension):
-        folder = pathlib.Path(self.build_temp).resolve()
+        folder = os.environ.get("ISOATLAS_CMAKE_FOLDER") or self.build_temp
+        folder = pathlib.Path(folder).resolve()
         target = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve()
         is_configured = (folder / "CMakeCache.txt").exists()
         options = ["-G", "Ninja"] if shutil.which("ninja") and not is_configured else []
         options += ["-DCMAKE_BUILD_TYPE=Release", "-DISOATLAS_BUILD_PYTHON=ON"]
-        options += ["-DISOATLAS_BUILD_TOOL=OFF", "-DISOATLAS_BUILD_TESTS=OFF"]
+        options += ["-DISOATLAS_BUILD_TOOL=ON", "-DISOATLAS_BUILD_VTK_FILTER=OFF"]
+        options += ["-DISOATLAS_BUILD_TESTS=OFF", "-DISOATLAS_INSTALL=OFF"]
+        options += ["-DCMAKE_INSTALL_BINDIR=bin", "-DCMAKE_INSTALL_LIBDIR=lib"]
         options += ["-DISOATLAS_UNITY_BUILD=ON"]
         options += ["-DISOATLAS_WARNINGS_AS_ERRORS=OFF", f"-DPython_EXECUTABLE={sys.executable}"]
         options += pybind11_arguments() + shlex.split(os.environ.get("CMAKE_ARGS", ""))
         subprocess.run(["cmake", "-S", ROOT, "-B", folder, *options], check=True)
+        cache = (folder / "CMakeCache.txt").read_text()
+        has_tool = re.search(r"^ISOATLAS_BUILD_TOOL:BOOL=(ON|1|TRUE|YES)$", cache, re.M | re.I)
+        targets = ["isoatlas_python", *(["isoatlas_tool"] if has_tool else [])]
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
-        build = ["cmake", "--build", folder, "--target", "isoatlas_python", "--parallel", jobs]
+        build = ["cmake", "--build", folder, "--target", *targets, "--parallel", jobs]
         subprocess.run(build, check=True)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(folder / "python" / "isoatlas" / target.name, target)
-        copy_samples(target.parent / "samples")
+        copy_files(folder / "python" / "isoatlas", target.parent, [target.name])
+        copy_files(ROOT / "samples", target.parent / "samples", SAMPLES)
+        if has_tool:
+            copy_files(folder, target.parent / "_tool", TOOL_FILES)
 
 
 setup(

@@ -141,6 +141,7 @@ EXCEPTIONS = [
     ("apps/isoatlas/completion.cpp", r"shift words", "a builtin of zsh"),
     ("tests/cli/cli_test.py", r"MET_[A-Z]", "names of sample types in MetaImage"),
     ("samples/LICENSE-samples.txt", r"conditions are met", "the text of a licence"),
+    ("src/page/LICENSE-VTK.txt", r"conditions are met", "the text of a licence"),
     ("web/src/style.css", r"border|--ground", "properties of CSS, and a colour"),
     ("web/src/view/view.css", r"border|--ground", "properties of CSS, and a colour"),
     ("docs/_static/site.css", r"border", "a property of CSS"),

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs the missing Debian 12 packages for one purpose (default: build).
-#   scripts/install_dependencies.sh [build|package|python|docs|test|hosts|bench|fuzz]
+#   scripts/install_dependencies.sh [build|package|python|wheel|docs|test|hosts|bench|fuzz]
 #     build     the library, the tool and the HTML page
 #     package   build, and the Debian package
 #     python    build, and the Python module
+#     wheel     build, and wheels; the Python packages come from PyPI
 #     docs      only the documentation site
 #     test      all of the above, and the tests
 #     hosts     test, and ParaView, admesh, PrusaSlicer and what napari's window needs, for the
@@ -22,11 +23,12 @@ command -v npm > /dev/null || build+=(npm)
 package=("${build[@]}" dpkg-dev file)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools
   python3-venv python3-wheel)
+wheel=("${build[@]}" python3-dev python3-venv)
 docs=(doxygen python3-sphinx python3-myst-parser furo python3-breathe python3-sphinx-copybutton
   python3-sphinx-inline-tabs python3-nbclient python3-ipykernel)
-test=("${python[@]}" "${package[@]}" "${docs[@]}" debootstrap fish pkg-config zsh lib3mf-dev
-  libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium
-  clang-14 libc++-14-dev libc++abi-14-dev clang-format
+test=("${python[@]}" "${package[@]}" "${docs[@]}" ccache debootstrap fish pkg-config zsh
+  lib3mf-dev libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb
+  xauth chromium clang-14 libc++-14-dev libc++abi-14-dev clang-format
   python3-joblib python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage
   python3-tifffile python3-tqdm python3-vtk9 mypy valgrind)
 hosts=("${test[@]}" admesh paraview prusa-slicer
@@ -40,12 +42,13 @@ case "${1:-build}" in
   build) wanted=("${build[@]}") ;;
   package) wanted=("${package[@]}") ;;
   python) wanted=("${python[@]}") ;;
+  wheel) wanted=("${wheel[@]}") ;;
   docs) wanted=("${docs[@]}") ;;
   test) wanted=("${test[@]}") ;;
   hosts) wanted=("${hosts[@]}") ;;
   bench) wanted=("${bench[@]}") ;;
   fuzz) wanted=("${fuzz[@]}") ;;
-  *) echo "usage: $0 [build|package|python|docs|test|hosts|bench|fuzz]" >&2; exit 2 ;;
+  *) echo "usage: $0 [build|package|python|wheel|docs|test|hosts|bench|fuzz]" >&2; exit 2 ;;
 esac
 
 missing=()

@@ -7,6 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/install_dependencies.sh test
+. scripts/use_ccache.sh
 cmake --preset release -DISOATLAS_BUILD_TESTS=ON -DISOATLAS_BUILD_PYTHON=ON \
   -DISOATLAS_UNITY_BUILD=ON
 cmake --build --preset release

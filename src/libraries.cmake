@@ -38,10 +38,7 @@ if(ISOATLAS_BUILD_IO)
 endif()
 
 if(ISOATLAS_BUILD_VTK_FILTER)
-  set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
-  find_package(VTK 9.1 REQUIRED
-    COMPONENTS CommonCore CommonDataModel CommonExecutionModel CommonMath)
-  unset(CMAKE_MESSAGE_LOG_LEVEL)
+  isoatlas_find_vtk(CommonCore CommonDataModel CommonExecutionModel CommonMath)
   set(kind STATIC)
   if(TARGET isoatlas_shared)
     set(kind SHARED)

@@ -317,8 +317,8 @@ ManPage::Text picture_page() {
 Draws a mesh into a PNG or JPEG file, on a white background, in parallel projection. The extension
 of the name is the format.
 
-VTK draws the picture and needs an X display. Without a display, Xvfb is started for the duration of
-the command (Debian: package xvfb).
+VTK draws the picture and needs OpenGL and an X display. Without a display, Xvfb is started for the
+duration of the command (Debian: packages libopengl0 libgl1 libgl1-mesa-dri libx11-6 xvfb).
 )",
       .groups = {kInput, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas picture head.ply -o head.png

@@ -47,6 +47,7 @@ int run_picture(const PictureArguments& arguments, Interruption& interruption) {
                 arguments.picture.string() + ": the picture would replace the mesh");
   const PictureFormat format = picture_format(arguments.picture);
   check_output_path(arguments.picture);
+  require_pictures();
   OutputFiles outputs;
   const Interruption::Cleanup clean_up(interruption, [&] { outputs.discard(); });
   const HierarchyFile file = read_levels(arguments.mesh);

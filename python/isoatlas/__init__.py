@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import sys as _sys
 
-from . import _own_libraries  # isort: skip  # loads _core, so it comes first
 from . import examples
 from ._check import check
 from ._core import VolumeSource, __version__

@@ -1,78 +1,108 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes VTK's XML poly data, by VTK.
-#include <vtkCellArray.h>
-#include <vtkCellData.h>
-#include <vtkDoubleArray.h>
-#include <vtkErrorCode.h>
-#include <vtkFieldData.h>
-#include <vtkFloatArray.h>
-#include <vtkLogger.h>
-#include <vtkNew.h>
-#include <vtkObjectFactory.h>
-#include <vtkOutputWindow.h>
-#include <vtkPointData.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
-#include <vtkSmartPointer.h>
-#include <vtkStringArray.h>
-#include <vtkTypeInt64Array.h>
-#include <vtkUnsignedCharArray.h>
-#include <vtkXMLPolyDataWriter.h>
+// Writes VTK's XML poly data as VTK's own writer does: arrays behind the text, as bytes compressed
+// by zlib.
+#include <zlib.h>
 
-#include <mutex>
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <new>
+#include <ostream>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "files/file_error.h"
 #include "mesh_files/formats.h"
 
 namespace isoatlas::detail::io {
 
 namespace {
 
-class SilentWindow : public vtkOutputWindow {
- public:
-  static SilentWindow* New() { VTK_STANDARD_NEW_BODY(SilentWindow); }
-  // clang-format off
-  vtkTypeMacro(SilentWindow, vtkOutputWindow)
-      // clang-format on
+static_assert(std::endian::native == std::endian::little);
+constexpr std::size_t kBlockBytes = 1 << 15;  // compressed at a time, as by VTK
+constexpr int kZlibLevel = 5;                 // VTK's default
 
-      void DisplayText(const char*) override {}
-};
+void append_number(std::string& bytes, std::uint64_t number) {
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+}
 
-/// While an object of this class exists, VTK's messages do not reach the terminal. VTK's output
-/// window belongs to the whole process, so the object holds a lock.
-class VtkSilence {
+/// The bytes of one array in the file: how many blocks, their size, the size of the last one if it
+/// is smaller (else 0), their compressed sizes, and the compressed blocks.
+std::string compressed(const char* bytes, std::size_t size) {
+  const std::size_t blocks = (size + kBlockBytes - 1) / kBlockBytes;
+  std::string result, packed;
+  append_number(result, blocks);
+  append_number(result, kBlockBytes);
+  append_number(result, size % kBlockBytes);
+  std::vector<char> buffer(compressBound(kBlockBytes));
+  for (std::size_t begin = 0; begin < size; begin += kBlockBytes) {
+    uLongf packed_size = buffer.size();
+    const int status = compress2(reinterpret_cast<Bytef*>(buffer.data()), &packed_size,
+                                 reinterpret_cast<const Bytef*>(bytes + begin),
+                                 std::min(kBlockBytes, size - begin), kZlibLevel);
+    if (status != Z_OK) throw std::bad_alloc();  // the buffer is large enough, so it is the memory
+    append_number(result, packed_size);
+    packed.append(buffer.data(), packed_size);
+  }
+  return result + packed;
+}
+
+/// The arrays behind the text of the file.
+class AppendedArrays {
  public:
-  VtkSilence() : lock_(mutex()) {
-    vtkOutputWindow::SetInstance(vtkNew<SilentWindow>());
-    vtkLogger::SetStderrVerbosity(
-        vtkLogger::VERBOSITY_OFF);  // VTK reports twice: to the window and to its log
+  /// Adds an array. @return the attributes that refer to it
+  template <class T>
+  std::string add(const T* values, std::size_t count) {
+    const std::string attributes =
+        " format=\"appended\" offset=\"" + std::to_string(size_) + "\"/>\n";
+    arrays_.push_back(compressed(reinterpret_cast<const char*>(values), count * sizeof(T)));
+    size_ += arrays_.back().size();
+    return attributes;
   }
-  ~VtkSilence() {
-    vtkLogger::SetStderrVerbosity(verbosity_);
-    vtkOutputWindow::SetInstance(window_);
+
+  void write(std::ostream& out) const {
+    for (const std::string& array : arrays_)
+      out.write(array.data(), static_cast<std::streamsize>(array.size()));
   }
-  VtkSilence(const VtkSilence&) = delete;
-  VtkSilence& operator=(const VtkSilence&) = delete;
 
  private:
-  static std::mutex& mutex() {
-    static std::mutex mutex;
-    return mutex;
-  }
-
-  std::lock_guard<std::mutex> lock_;
-  vtkSmartPointer<vtkOutputWindow> window_ = vtkOutputWindow::GetInstance();
-  vtkLogger::Verbosity verbosity_ = vtkLogger::GetCurrentVerbosityCutoff();
+  std::vector<std::string> arrays_;
+  std::uint64_t size_ = 0;
 };
 
-void add_field(vtkPolyData& data, const std::string& name, const std::string& value) {
-  if (!value.empty()) {
-    vtkNew<vtkStringArray> field;
-    field->SetName(name.c_str());
-    field->InsertNextValue(value);
-    data.GetFieldData()->AddArray(field);
+std::string field_elements(const std::map<std::string, std::string>& fields,
+                           AppendedArrays& arrays) {
+  std::string text;
+  for (const auto& [name, value] : fields) {
+    if (value.empty()) continue;
+    text += "      <Array type=\"String\" Name=\"" + name + "\" NumberOfTuples=\"1\"" +
+            arrays.add(value.c_str(), std::strlen(value.c_str()) + 1);
   }
+  return text;
+}
+
+std::string cap_element(std::size_t triangles, std::size_t cap_triangles, AppendedArrays& arrays) {
+  if (cap_triangles == 0) return "";
+  std::vector<std::uint8_t> is_cap(triangles, 0);
+  std::fill(is_cap.end() - static_cast<std::ptrdiff_t>(cap_triangles), is_cap.end(), 1);
+  return "        <DataArray type=\"UInt8\" Name=\"cap\"" +
+         arrays.add(is_cap.data(), is_cap.size());
+}
+
+std::string polygon_elements(const std::vector<Triangle>& triangles, AppendedArrays& arrays) {
+  std::vector<std::int64_t> numbers;
+  numbers.reserve(3 * triangles.size());
+  for (const Triangle& triangle : triangles)
+    numbers.insert(numbers.end(), triangle.begin(), triangle.end());
+  std::string text = "        <DataArray type=\"Int64\" Name=\"connectivity\"" +
+                     arrays.add(numbers.data(), numbers.size());
+  numbers.resize(triangles.size());  // from here on, the end of each triangle
+  for (std::size_t t = 0; t < numbers.size(); ++t)
+    numbers[t] = static_cast<std::int64_t>(3 * t + 3);
+  text += "        <DataArray type=\"Int64\" Name=\"offsets\"" +
+          arrays.add(numbers.data(), numbers.size());
+  return text;
 }
 
 }  // namespace
@@ -84,71 +114,30 @@ void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
 
 void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields,
                const std::vector<float>& distance, std::size_t cap_triangles, AtomicFile& file) {
-  const VtkSilence silence;
-  const auto vertex_count = static_cast<vtkIdType>(mesh.positions.size());
-  const auto triangle_count = static_cast<vtkIdType>(mesh.triangles.size());
-
-  // VTK reads the positions in place (save = 1: it does not free them).
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  vtkNew<vtkDoubleArray> coordinates;
-  coordinates->SetNumberOfComponents(3);
-  auto* first_coordinate =
-      const_cast<double*>(reinterpret_cast<const double*>(mesh.positions.data()));
-  coordinates->SetArray(first_coordinate, 3 * vertex_count, 1);
-  vtkNew<vtkPoints> points;
-  points->SetData(coordinates);
-
-  vtkNew<vtkTypeInt64Array> offsets;
-  vtkNew<vtkTypeInt64Array> connectivity;
-  offsets->SetNumberOfValues(triangle_count + 1);
-  connectivity->SetNumberOfValues(3 * triangle_count);
-  for (vtkIdType t = 0; t < triangle_count; ++t) {
-    offsets->SetValue(t, 3 * t);
-    for (int k = 0; k < 3; ++k) {
-      connectivity->SetValue(
-          3 * t + k, mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
-    }
-  }
-  offsets->SetValue(triangle_count, 3 * triangle_count);
-  vtkNew<vtkCellArray> polygons;
-  polygons->SetData(offsets, connectivity);
-
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(points);
-  data->SetPolys(polygons);
-  for (const auto& [name, value] : fields) {
-    add_field(*data, name, value);
-  }
-  if (!distance.empty()) {
-    vtkNew<vtkFloatArray> array;
-    array->SetName(kVtpDistance);
-    array->SetArray(const_cast<float*>(distance.data()), static_cast<vtkIdType>(distance.size()),
-                    1);
-    data->GetPointData()->AddArray(array);
-  }
-
-  if (cap_triangles > 0) {
-    vtkNew<vtkUnsignedCharArray> caps;
-    caps->SetName("cap");
-    caps->SetNumberOfValues(triangle_count);
-    for (vtkIdType t = 0; t < triangle_count; ++t) {
-      caps->SetValue(t, t >= triangle_count - static_cast<vtkIdType>(cap_triangles) ? 1 : 0);
-    }
-    data->GetCellData()->AddArray(caps);
-  }
-
-  vtkNew<vtkXMLPolyDataWriter> writer;
-  writer->SetFileName(file.written_path().c_str());
-  writer->SetInputData(data);
-  writer->SetDataModeToAppended();
-  writer->EncodeAppendedDataOff();
-  writer->SetHeaderTypeToUInt64();
-  const bool written = writer->Write() != 0;
-  if (!written || writer->GetErrorCode() != vtkErrorCode::NoError) {
-    throw bad_file(file.destination(),
-                   "cannot be written: VTK reports " +
-                       one_line(vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())));
-  }
+  AppendedArrays arrays;
+  std::string text =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
+      "  <PolyData>\n    <FieldData>\n" +
+      field_elements(fields, arrays) + "    </FieldData>\n    <Piece NumberOfPoints=\"" +
+      std::to_string(mesh.positions.size()) +
+      "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
+      std::to_string(mesh.triangles.size()) + "\">\n      <PointData>\n";
+  if (!distance.empty())
+    text += "        <DataArray type=\"Float32\" Name=\"" + std::string(kVtpDistance) + "\"" +
+            arrays.add(distance.data(), distance.size());
+  text += "      </PointData>\n      <CellData>\n" +
+          cap_element(mesh.triangles.size(), cap_triangles, arrays) +
+          "      </CellData>\n      <Points>\n"
+          "        <DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"" +
+          arrays.add(mesh.positions.data(), mesh.positions.size()) + "      </Points>\n";
+  text += "      <Polys>\n" + polygon_elements(mesh.triangles, arrays) + "      </Polys>\n";
+  file.stream() << text << "    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _";
+  arrays.write(file.stream());
+  file.stream() << "\n  </AppendedData>\n</VTKFile>\n";
+  file.flush();  // a full disk must be noticed before the first level of several is committed
 }
 
 }  // namespace isoatlas::detail::io

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page/page.h"
 
-#include <vtkBase64Utilities.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -10,6 +8,7 @@
 
 #include "isoatlas/error.h"
 #include "isoatlas/version.h"
+#include "mesh_files/base64.h"
 #include "page/assets.h"
 #include "page/geometry.h"
 
@@ -17,14 +16,6 @@ namespace isoatlas::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string base64(const std::string& bytes) {
-  std::string out(4 * ((bytes.size() + 2) / 3), '\0');
-  const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
-  out.resize(
-      vtkBase64Utilities::Encode(from, bytes.size(), reinterpret_cast<unsigned char*>(out.data())));
-  return out;
-}
 
 std::string in_html(const std::string& text) {
   std::string out;
@@ -98,7 +89,7 @@ std::string page_html(std::span<const PageEntry> entries, const std::filesystem:
       "<script type=\"application/json\" id=\"isoatlas-data\">";
   out += in_script(json);
   out += "</script>\n<script type=\"text/plain\" id=\"isoatlas-geometry\">";
-  out += base64(geometry);
+  out += io::to_base64(geometry);
   out += "</script>\n";
   out += ending(page::script());
   return out;

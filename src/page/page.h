@@ -46,7 +46,7 @@ PageEntry entry_of_levels(HierarchyFile file, const std::string& title);
 /// @throws Error(bad_file), Error(unsupported)
 PageEntry entry_of_file(const std::filesystem::path& path);
 
-/// Triangle shapes of marching cubes (VTK) on a volume. Absent if there are no triangles, or if
+/// Triangle shapes of marching cubes on a volume. Absent if there are no triangles, or if
 /// samples near the surface are not finite.
 /// @param of  points on components, in sample-index coordinates: only the components of the
 /// marching

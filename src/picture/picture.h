@@ -33,8 +33,12 @@ struct PictureOptions {
 /// @throws Error(unsupported) for any other extension
 PictureFormat picture_format(const std::filesystem::path& path);
 
+/// Loads the library that draws pictures, isoatlas_picture.so, with VTK, X11 and OpenGL.
+/// @throws Error(unsupported)  it is missing, or a library that it needs is
+void require_pictures();
+
 /// Renders the mesh on white in parallel projection. @return the bytes of a picture file
-/// @throws Error(unsupported)   there is no display and no Xvfb
+/// @throws Error(unsupported)   as require_pictures(); there is no display and no Xvfb
 /// @throws Error(bad_argument)  no triangles, a size outside [16, 8192], zoom not positive, or view
 ///         and up zero or parallel
 /// @cost   memory for at most nine times the pixels of the picture, and for a float copy of the

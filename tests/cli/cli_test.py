@@ -2720,6 +2720,47 @@ class Picture(ToolTest):
                     env={"DISPLAY": "", "PATH": "/nonexistent"})
 
 
+class PictureLibrary(ToolTest):
+    """The tool starts without VTK, X11 and OpenGL; a library next to it draws pictures."""
+
+    def setUp(self):
+        super().setUp()
+        self.put("t.off", off(*TETRAHEDRON))
+        (self.folder / "bin").mkdir()
+        self.tool = self.folder / "bin" / "isoatlas"
+        shutil.copy2(TOOL, self.tool)
+
+    def run_copy(self, *arguments):
+        return subprocess.run([self.tool, *arguments], cwd=self.folder, capture_output=True,
+                              text=True)
+
+    def refuse_picture(self, pattern):
+        done = self.run_copy("picture", "t.off", "-o", "t.png")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertRegex(done.stderr, rf"\Aisoatlas: error: [^\n]*{pattern}[^\n]*\n\Z")
+        self.assertFalse((self.folder / "t.png").exists())
+        return done.stderr
+
+    def test_other_commands_work_without_it(self):
+        done = self.run_copy("check", "t.off")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("manifold      yes", done.stdout)
+
+    def test_the_tool_needs_no_library_of_a_window_system(self):
+        libraries = subprocess.run(["ldd", self.tool], capture_output=True, text=True).stdout
+        self.assertIn("libc.so", libraries)
+        for name in ("libvtk", "libX11", "libGL", "libOpenGL"):
+            self.assertNotIn(name, libraries)
+
+    def test_one_line_names_what_is_missing(self):
+        line = self.refuse_picture(
+            "this library draws pictures, and it is missing: install isoatlas as a whole")
+        library = pathlib.Path(re.search(r"error: (/.*?/isoatlas_picture.so)", line)[1])
+        library.parent.mkdir(parents=True)
+        library.write_bytes(b"not a library")
+        self.refuse_picture(r"OpenGL and X11.*isoatlas_picture.so: .*Debian: libopengl0")
+
+
 def page_parts(path):
     """The data, the bytes of the geometry and the whole text of a page."""
     text = path.read_text(encoding="utf-8")

@@ -80,6 +80,8 @@ NOT_RUN = [
     (r"(cmake|ctest) (--preset|--build)", "builds and runs the tests", "scripts/test.sh"),
     (r"export PATH=", "sets the environment, as this test does", "tests/docs/CMakeLists.txt"),
     (r"python3 -m venv|venv/bin/pip", "builds the module", "tests/python/test_install.py"),
+    (r"scripts/build_wheel\.sh|venv/bin/(isoatlas|python) ", "needs the wheel",
+     "tests/wheel/test_wheel.py"),
     (r"RC_PARAMS=\S+ (seed=\S+ )?build/release/bin/test_property", "runs for a long time",
      "scripts/nightly.sh"),
     (r"scripts/(format\.sh|check_\w+\.py)", "is a test by itself", "tests/CMakeLists.txt"),

@@ -60,8 +60,9 @@ def test_pip(sources, tmp_path):
     # The first command installs what the build needs; the test machine has it.
     _, *lines = commands.strip().splitlines()
     script = "\n".join(lines).replace("python3 ", f"{sys.executable} ", 1)
-    # A debug build takes half the time.
-    build = environment(CMAKE_BUILD_PARALLEL_LEVEL="2", CMAKE_ARGS="-DCMAKE_BUILD_TYPE=Debug")
+    # A debug build takes half the time. tests/wheel tests the command-line tool in the package.
+    options = "-DCMAKE_BUILD_TYPE=Debug -DISOATLAS_BUILD_TOOL=OFF"
+    build = environment(CMAKE_BUILD_PARALLEL_LEVEL="2", CMAKE_ARGS=options)
     run("bash", "-euc", script, cwd=sources, env=build)
     command = [sources / "venv/bin/python", "-c", TRY, ROOT / "samples/protein_iron.nhdr"]
     printed = run(*command, cwd=tmp_path, env=environment())
@@ -70,6 +71,8 @@ def test_pip(sources, tmp_path):
     samples = ["samples/embryo.nrrd", "samples/protein_iron.raw", "samples/LICENSE-samples.txt"]
     for name in ("py.typed", "_core.pyi", "_core.cpython", "errors.py", "pyvista.py", *samples):
         assert f"isoatlas/{name}" in files
+    refused = subprocess.run([sources / "venv/bin/isoatlas"], capture_output=True, text=True)
+    assert refused.returncode == 2 and "without the command-line tool" in refused.stderr
 
 
 def test_cmake(tmp_path):

@@ -418,7 +418,7 @@ TEST(HierarchyFiles, FullDiskIsAnErrorAndLeavesNothing) {
     {
       const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
       rlimit small = old;
-      small.rlim_cur = 3000;
+      small.rlim_cur = 1500;  // the first level fits
       ::setrlimit(RLIMIT_FSIZE, &small);
       const Hierarchy hierarchy = sphere({});
       expect_error(ErrorCode::bad_file, "cannot be written",

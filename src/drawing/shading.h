@@ -5,7 +5,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas::detail::picture {
+namespace isoatlas::detail::drawing {
 
 /// A mesh with a normal per vertex. At a sharp edge a vertex occurs several times, once per side.
 struct ShadedMesh {
@@ -20,4 +20,4 @@ struct ShadedMesh {
 /// @cost O(T log T)
 ShadedMesh split_at_sharp_edges(const MeshView& mesh, double degrees);
 
-}  // namespace isoatlas::detail::picture
+}  // namespace isoatlas::detail::drawing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Normals that are smooth inside faces and jump at sharp edges.
-#include "picture/shading.h"
+#include "drawing/shading.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas::detail::picture {
+namespace isoatlas::detail::drawing {
 namespace {
 
 // A roof: two rectangles that share the ridge from (0, 0, 0) to (0, 1, 0) and fall by `degrees` on
@@ -126,4 +126,4 @@ TEST(Shading, AnEmptyMesh) {
 }
 
 }  // namespace
-}  // namespace isoatlas::detail::picture
+}  // namespace isoatlas::detail::drawing

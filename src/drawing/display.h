@@ -3,7 +3,7 @@
 
 #include <sys/types.h>
 
-namespace isoatlas::detail::picture {
+namespace isoatlas::detail::drawing {
 
 /// Provides an X display as $DISPLAY: the existing one, or an Xvfb server that is started and ends
 /// with this object or with this process. Not thread-safe, because it sets the environment.
@@ -20,4 +20,4 @@ class Display {
   pid_t server_ = -1;
 };
 
-}  // namespace isoatlas::detail::picture
+}  // namespace isoatlas::detail::drawing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "picture/display.h"
+#include "drawing/display.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,7 +17,7 @@
 
 extern char** environ;
 
-namespace isoatlas::detail::picture {
+namespace isoatlas::detail::drawing {
 namespace {
 
 constexpr int kTimeoutMs = 10'000;
@@ -94,4 +94,4 @@ Display::~Display() {
   unsetenv("DISPLAY");
 }
 
-}  // namespace isoatlas::detail::picture
+}  // namespace isoatlas::detail::drawing

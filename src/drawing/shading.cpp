@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "picture/shading.h"
+#include "drawing/shading.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "core/ranges.h"
 #include "core/vector_math.h"
 
-namespace isoatlas::detail::picture {
+namespace isoatlas::detail::drawing {
 namespace {
 
 /// A side of a triangle, from corner `3 * t + k` to the next corner of the same triangle.
@@ -100,4 +100,4 @@ ShadedMesh split_at_sharp_edges(const MeshView& mesh, double degrees) {
   return out;
 }
 
-}  // namespace isoatlas::detail::picture
+}  // namespace isoatlas::detail::drawing
