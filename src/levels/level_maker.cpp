@@ -67,8 +67,7 @@ struct CornersInside {
 };
 
 bool is_complete(const ExtractOptions& options) {
-  return !options.components.selects() &&
-         options.surface.interpolation == Interpolation::trilinear;
+  return !options.components.selects() && options.surface.interpolation == Interpolation::trilinear;
 }
 
 }  // namespace
