@@ -44,5 +44,5 @@ async function take(name, viewport, act) {
 await take("view.jpg", {width: 1440, height: 900}, (page) =>
   page.locator("#colouring-component").evaluate((input) => input.click()));
 await take("view-narrow.jpg", {width: 360, height: 740}, (page) =>
-  page.locator("#slice-x").evaluate((slice) => slice.scrollIntoView({block: "start"})));
+  page.locator('[data-view="mesh"]').evaluate((view) => view.scrollIntoView({block: "start"})));
 await browser.close();

@@ -92,6 +92,7 @@ NOT_RUN = [
      "bench/CMakeLists.txt"),
     (r"bench/instructions\.py", "counts instructions for minutes", "bench/CMakeLists.txt"),
     (r"scripts/page_commands\.py", "is what python.pages runs", "tests/python/test_pages.py"),
+    (r"isoatlas view (?!--help)", "runs until its page is closed", "tests/page/view_tool_test.mjs"),
     (r"cat part\.geo|gmsh |tetgen ", "needs a mesher that is no dependency",
      "docs/tasks/simulation.md"),
 ]
@@ -131,6 +132,8 @@ def commands(block):
 def is_run(command):
     """Whether the command runs the tool."""
     one_line = command.replace("\\\n", " ")
+    if reason_not_to_run(one_line):
+        return False
     return re.search(r"(^|[|&;(] *)(build/release/bin/)?isoatlas ", one_line) is not None
 
 
@@ -489,7 +492,8 @@ class Commands(unittest.TestCase):
     def test_commands_in_sentences(self):
         """`isoatlas ...` within a line: the command and its options exist."""
         options = {name: self.options(name) for name in
-                   ("extract", "info", "check", "levels", "report", "picture", "completion")}
+                   ("extract", "info", "view", "check", "levels", "report", "picture",
+                    "completion")}
         checked = 0
         for path in pages():
             text = re.sub(r"(?ms)^ *```.*?^ *```$", "", path.read_text(encoding="utf-8"))

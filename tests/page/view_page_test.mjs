@@ -197,14 +197,27 @@ test("touch: slices, handle", {timeout: 2 * SLOW}, async () => {
     assert.equal(lastMesh(server).iso, `${await state(page, "isovalue")}`);
     // A finger that moves sideways drags the handle.
     const client = await page.context().newCDPSession(page);
-    const touch = (type, x) => client.send("Input.dispatchTouchEvent", {
-      type, touchPoints: x === null ? [] : [{x: box.x + x * box.width, y: box.y + 20}]});
-    await touch("touchStart", 0.75);
-    for (const x of [0.7, 0.65, 0.6]) await touch("touchMove", x);
-    await touch("touchEnd", null);
+    const swipe = async (places) => {
+      const send = (type, touchPoints) =>
+        client.send("Input.dispatchTouchEvent", {type, touchPoints});
+      await send("touchStart", [places[0]]);
+      for (const place of places.slice(1)) await send("touchMove", [place]);
+      await send("touchEnd", []);
+    };
+    await swipe([0.75, 0.7, 0.65, 0.6].map((x) => ({x: box.x + x * box.width, y: box.y + 20})));
     const dragged = minimum + 0.6 * (maximum - minimum);
     assert.ok(Math.abs((await state(page, "isovalue")) - dragged) < 0.2);
     await upToDate(page);
+    // An edge of the region of interest.
+    await page.locator("#edit-region").click();
+    await page.locator("#slice-z").scrollIntoViewIfNeeded();
+    const edge = await placeOfSample(page, 2, [-0.5, 14, 20]);
+    const to = await placeOfSample(page, 2, [15.5, 14, 20]);
+    const between = [0, 0.3, 0.6, 1].map((t) => ({x: edge.x + t * (to.x - edge.x), y: edge.y}));
+    await swipe(between);
+    assert.equal((await state(page, "region"))[0][0], 16);
+    await upToDate(page);
+    assert.equal(lastMesh(server).roi, "16:63,:,:");
   }, {width: 360, height: 740, touch: true});
 });
 
@@ -339,9 +352,11 @@ describe("the mesh follows", () => {
       server.faults.holds = true;
       server.faults.preview = false;
       await page.keyboard.press("ArrowRight");
-      await page.locator("#cancel-mesh").click();
+      await page.locator("#cancel-mesh").press("Enter");
       await page.waitForFunction(() => !window.isoatlas.running);
+      await page.waitForTimeout(100);
       assert.equal(await line(), "Cancelled. The previous mesh is still shown.");
+      assert.equal(await page.evaluate(() => document.activeElement.id), "handle");
       assert.ok((await meshPixels(page)) > 0.05);
     }, {faults: {preview: true, holds: true}});
   });

@@ -22,6 +22,7 @@ async function take(name, start, act = async () => undefined) {
       const {page, close} = await openView(server.address, {...options, dark});
       await upToDate(page);
       await act(page);
+      await page.evaluate(() => scrollTo(0, 0));
       await page.waitForTimeout(400);  // the list of components follows the mesh
       await drawn(page);
       const path = (part) =>

@@ -134,8 +134,10 @@ export class ComponentFilter {
   private clear(): void {
     this.keep = [];
     this.drop = [];
-    this.largest.input.value = "";
-    this.smallest.input.value = "";
+    for (const {input} of [this.largest, this.smallest]) {
+      input.value = "";
+      input.setAttribute("aria-invalid", "false");
+    }
     this.problem.textContent = "";
   }
 

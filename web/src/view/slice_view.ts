@@ -6,11 +6,12 @@ import type {Triple} from "../data";
 import {element, number} from "../dom";
 import {listen, type Drag, type Point} from "../gestures";
 import {corners} from "../icons";
-import {scaleLength} from "../overlay";
-import {AXES, type Grid, type Plane} from "./grid";
+import {AXES, type Grid} from "./grid";
 import {paint, type GreyRange, type PixelGrid, type Rgb} from "./grey";
-import {isoline, type InsideRule, type SampleRange, type Samples} from "./isoline";
+import {isoline, type InsideRule, type Samples} from "./isoline";
 import type {Region} from "./region";
+import {SliceFrame} from "./slice_frame";
+import {drawCross, drawEnds, drawIsoline, drawRegion, drawScale} from "./slice_lines";
 import type {Slice, SliceStore} from "./slice_store";
 
 /** What all slice views share. */
@@ -36,15 +37,6 @@ export interface Shared {
 }
 
 const NOT_FINITE: Rgb = [176, 58, 122];
-const LINES = {
-  isoline: "#4fb4ff",
-  casing: "rgb(0 0 0 / 55%)",
-  cross: "rgb(255 214 120 / 75%)",
-  region: "#ffb454",
-  text: "#dfe4e6",
-  halo: "rgb(0 0 0 / 70%)",
-};
-const MOST_ZOOM = 200;
 const PIXELATED = 8;  // samples of more CSS pixels are drawn as squares
 const NEAR = {mouse: 7, pen: 10, touch: 22};  // CSS pixels from an edge that can be dragged
 
@@ -55,11 +47,8 @@ export class SliceView {
   // Not live: the slider, which has the focus, has the same text.
   private readonly name = element("output", {"aria-live": "off"});
   private readonly readout: HTMLOutputElement;
-  private readonly plane: Plane;
+  private readonly frame: SliceFrame;
   private readonly id: string;
-  /** The sample at the centre of the picture, along right and down. */
-  private centre: [number, number] = [0, 0];
-  private zoom = 1;
   private slice: Slice | null = null;
   private image: ImageData | null = null;
   private isDrawPending = false;
@@ -70,7 +59,6 @@ export class SliceView {
     private readonly shared: Shared,
   ) {
     const {grid} = shared;
-    this.plane = grid.plane(axis);
     const letter = AXES[axis];
     this.id = `slice-${letter}`;
     const last = grid.size[axis] - 1;
@@ -91,14 +79,16 @@ export class SliceView {
       "aria-roledescription": "slice",
       "aria-describedby": "help",
     });
+    this.frame = new SliceFrame(grid, axis, this.canvas);
     this.readout = element("output", {
       class: "under-pointer",
       id: `${this.id}-readout`,
       "aria-live": "off",
     });
     this.name.setAttribute("for", this.slider.id);
-    const title = this.plane.name
-      ? [`${this.plane.name} `, element("span", {class: "soft"}, `across ${letter}`)]
+    const {name} = this.frame.plane;
+    const title = name
+      ? [`${name} `, element("span", {class: "soft"}, `across ${letter}`)]
       : [`Across ${letter}`];
     this.field = element(
       "section",
@@ -120,7 +110,6 @@ export class SliceView {
     );
     this.listen();
     new ResizeObserver(() => this.draw()).observe(this.canvas);
-    this.resetView();
   }
 
   private listen(): void {
@@ -150,7 +139,7 @@ export class SliceView {
   }
 
   private keyAction({key, shiftKey}: KeyboardEvent): (() => void) | undefined {
-    const {width, height} = this.extent;
+    const {width, height} = this.frame.extent;
     const by = (slices: number) => () => this.scrollTo(this.index + slices);
     const pan = (right: number, down: number) => () => this.pan(-30 * right, -30 * down);
     const arrows: Record<string, () => void> = shiftKey
@@ -216,67 +205,22 @@ export class SliceView {
   }
 
   resetView(): void {
-    const {size} = this.shared.grid;
-    const {right, down} = this.plane;
-    this.centre = [(size[right.axis] - 1) / 2, (size[down.axis] - 1) / 2];
-    this.zoom = 1;
+    this.frame.reset();
     this.draw();
-  }
-
-  private get extent(): {width: number; height: number} {
-    return {width: this.canvas.clientWidth, height: this.canvas.clientHeight};
-  }
-
-  /** CSS pixels per unit of length. */
-  private get scale(): number {
-    const {size, spacing} = this.shared.grid;
-    const {right, down} = this.plane;
-    const {width, height} = this.extent;
-    const long = (axis: number): number => size[axis] * spacing[axis];
-    return this.zoom * 0.94 * Math.min(width / long(right.axis), height / long(down.axis));
-  }
-
-  /** CSS pixels from one sample to the next, along right and down; negative: to the left or up. */
-  private get steps(): [number, number] {
-    const {right, down} = this.plane;
-    const {spacing} = this.shared.grid;
-    const {scale} = this;
-    return [right.sign * spacing[right.axis] * scale, down.sign * spacing[down.axis] * scale];
-  }
-
-  /** From samples along right and down to CSS pixels. */
-  project(u: number, v: number): Point {
-    const [stepX, stepY] = this.steps;
-    const {width, height} = this.extent;
-    return {
-      x: width / 2 + (u - this.centre[0]) * stepX,
-      y: height / 2 + (v - this.centre[1]) * stepY,
-    };
-  }
-
-  private unproject({x, y}: Point): [number, number] {
-    const [stepX, stepY] = this.steps;
-    const {width, height} = this.extent;
-    return [
-      this.centre[0] + (x - width / 2) / stepX,
-      this.centre[1] + (y - height / 2) / stepY,
-    ];
   }
 
   /** The pixel of a sample of the volume. */
   pixelOf(sample: Triple): Point {
-    return this.project(sample[this.plane.right.axis], sample[this.plane.down.axis]);
+    return this.frame.pixelOf(sample);
   }
 
   /** The nearest sample of the volume at a pixel; null: beyond the samples. */
   private sampleAt(at: Point): Triple | null {
-    const {size} = this.shared.grid;
-    const {right, down} = this.plane;
-    const [u, v] = this.unproject(at).map((x) => Math.round(x));
-    if (u < 0 || v < 0 || u >= size[right.axis] || v >= size[down.axis]) return null;
+    const found = this.frame.sampleAt(at);
+    if (!found) return null;
+    const {right, down} = this.frame.plane;
     const sample: Triple = [...this.shared.position];
-    sample[right.axis] = u;
-    sample[down.axis] = v;
+    [sample[right.axis], sample[down.axis]] = found;
     return sample;
   }
 
@@ -287,22 +231,13 @@ export class SliceView {
   }
 
   private pan(right: number, down: number): void {
-    const {size} = this.shared.grid;
-    const [stepX, stepY] = this.steps;
-    const [axisX, axisY] = [this.plane.right.axis, this.plane.down.axis];
-    const within = (v: number, n: number): number => Math.min(Math.max(v, 0), n - 1);
-    this.centre = [
-      within(this.centre[0] - right / stepX, size[axisX]),
-      within(this.centre[1] - down / stepY, size[axisY]),
-    ];
+    this.frame.pan(right, down);
     this.draw();
   }
 
   private zoomAt(factor: number, x: number, y: number): void {
-    const [u, v] = this.unproject({x, y});
-    this.zoom = Math.min(Math.max(this.zoom * factor, 0.5), MOST_ZOOM);
-    const now = this.project(u, v);
-    this.pan(x - now.x, y - now.y);
+    this.frame.zoomAt(factor, x, y);
+    this.draw();
   }
 
   private wheeled(event: WheelEvent): boolean {
@@ -345,10 +280,10 @@ export class SliceView {
   private edgesNear({x, y}: Point, most: number): {way: "right" | "down"; end: 0 | 1}[] {
     if (!this.shared.isRegionEdited) return [];
     const {ends} = this.shared.region;
-    const {right, down} = this.plane;
+    const {right, down} = this.frame.plane;
     const [u, v] = [ends[right.axis], ends[down.axis]];
-    const a = this.project(u[0] - 0.5, v[0] - 0.5);
-    const b = this.project(u[1] + 0.5, v[1] + 0.5);
+    const a = this.frame.project(u[0] - 0.5, v[0] - 0.5);
+    const b = this.frame.project(u[1] + 0.5, v[1] + 0.5);
     const isBeside = (p: number, from: number, to: number): boolean =>
       p > Math.min(from, to) - most && p < Math.max(from, to) + most;
     const out: {way: "right" | "down"; end: 0 | 1}[] = [];
@@ -369,10 +304,10 @@ export class SliceView {
     const {region} = this.shared;
     return {
       move: (to) => {
-        const [u, v] = this.unproject(to);
+        const [u, v] = this.frame.unproject(to);
         for (const {way, end} of edges) {
           const half = end === 0 ? 0.5 : -0.5;
-          region.drag(this.plane[way].axis, end, (way === "right" ? u : v) + half);
+          region.drag(this.frame.plane[way].axis, end, (way === "right" ? u : v) + half);
         }
         this.shared.regionDragged(false);
       },
@@ -404,7 +339,7 @@ export class SliceView {
 
   private samplesOf({samples, strides}: Slice): Samples {
     const {size} = this.shared.grid;
-    const {right, down} = this.plane;
+    const {right, down} = this.frame.plane;
     return {
       samples,
       width: size[right.axis],
@@ -416,29 +351,31 @@ export class SliceView {
 
   /** Draws now. The picture can be read from the canvas afterwards. */
   render(): void {
-    const {width, height} = this.extent;
+    const {frame, slice, canvas} = this;
+    const {width, height} = frame.extent;
     const ratio = Math.min(devicePixelRatio, 2);
     const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (wide === 0 || high === 0) return;
-    const {canvas} = this;
     if (canvas.width !== wide || canvas.height !== high)
       [canvas.width, canvas.height] = [wide, high];
     const context = canvas.getContext("2d")!;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, wide, high);
     // One finger scrolls the page, unless it has something to move here.
-    canvas.style.touchAction = this.zoom > 1 || this.shared.isRegionEdited ? "none" : "pan-y";
-    const {slice} = this;
+    const {grid, region, position, rule, showsIsoline, showsCross, isRegionEdited} = this.shared;
+    canvas.style.touchAction = frame.zoom > 1 || isRegionEdited ? "none" : "pan-y";
     if (slice) {
       this.paintSamples(context, slice, ratio);
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      if (this.shared.showsIsoline) this.drawIsoline(context, slice);
+      if (showsIsoline)
+        drawIsoline(context, frame, isoline(this.samplesOf(slice), rule, frame.visible));
     }
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.drawRegion(context);
-    if (this.shared.showsCross) this.drawCross(context);
-    this.drawEnds(context);
-    this.drawScale(context);
+    if (!region.isWhole || isRegionEdited)
+      drawRegion(context, frame, region, grid, this.index, isRegionEdited);
+    if (showsCross) drawCross(context, frame, position);
+    drawEnds(context, frame);
+    drawScale(context, frame, grid.unitText);
     ++this.frames;
   }
 
@@ -446,15 +383,16 @@ export class SliceView {
     const {width, height} = context.canvas;
     if (this.image?.width !== width || this.image.height !== height)
       this.image = context.createImageData(width, height);
-    const [stepX, stepY] = this.steps.map((step) => step * ratio);
+    const [stepX, stepY] = this.frame.steps.map((step) => step * ratio);
+    const [u, v] = this.frame.unproject({x: 0.5 / ratio, y: 0.5 / ratio});
     const pixels: PixelGrid = {
-      startX: this.centre[0] + (0.5 - width / 2) / stepX,
+      startX: u,
       stepX: 1 / stepX,
-      startY: this.centre[1] + (0.5 - height / 2) / stepY,
+      startY: v,
       stepY: 1 / stepY,
     };
     const {range, rule, colours} = this.shared;
-    const smooth = Math.min(...this.steps.map(Math.abs)) < PIXELATED;
+    const smooth = Math.min(...this.frame.steps.map(Math.abs)) < PIXELATED;
     const into = new Uint32Array(this.image.data.buffer);
     paint(into, width, height, pixels, this.samplesOf(slice), {
       range,
@@ -464,133 +402,5 @@ export class SliceView {
       smooth,
     });
     context.putImageData(this.image, 0, 0);
-  }
-
-  /** The samples that are visible. */
-  private get visible(): SampleRange {
-    const {width, height} = this.extent;
-    const [u0, v0] = this.unproject({x: 0, y: 0});
-    const [u1, v1] = this.unproject({x: width, y: height});
-    return {
-      left: Math.floor(Math.min(u0, u1)),
-      right: Math.ceil(Math.max(u0, u1)),
-      top: Math.floor(Math.min(v0, v1)),
-      bottom: Math.ceil(Math.max(v0, v1)),
-    };
-  }
-
-  private drawIsoline(context: CanvasRenderingContext2D, slice: Slice): void {
-    const segments = isoline(this.samplesOf(slice), this.shared.rule, this.visible);
-    const [stepX, stepY] = this.steps;
-    const {x, y} = this.project(0, 0);
-    context.beginPath();
-    for (let i = 0; i < segments.length; i += 4) {
-      context.moveTo(x + segments[i] * stepX, y + segments[i + 1] * stepY);
-      context.lineTo(x + segments[i + 2] * stepX, y + segments[i + 3] * stepY);
-    }
-    context.lineCap = "round";
-    // A dark casing, so that the line is visible on white, too.
-    context.strokeStyle = LINES.casing;
-    context.lineWidth = 3;
-    context.stroke();
-    context.strokeStyle = LINES.isoline;
-    context.lineWidth = 1.5;
-    context.stroke();
-  }
-
-  private drawRegion(context: CanvasRenderingContext2D): void {
-    const {region, isRegionEdited, grid} = this.shared;
-    if (region.isWhole && !isRegionEdited) return;
-    const {right, down} = this.plane;
-    const box = (u: readonly number[], v: readonly number[]): [number, number, number, number] => {
-      const a = this.project(u[0] - 0.5, v[0] - 0.5);
-      const b = this.project(u[1] + 0.5, v[1] + 0.5);
-      return [Math.min(a.x, b.x), Math.min(a.y, b.y), Math.abs(b.x - a.x), Math.abs(b.y - a.y)];
-    };
-    const inner = box(region.ends[right.axis], region.ends[down.axis]);
-    const [first, last] = region.ends[this.axis];
-    const isOutside = this.index < first || this.index > last;
-    context.beginPath();
-    context.rect(...box([0, grid.size[right.axis] - 1], [0, grid.size[down.axis] - 1]));
-    if (!isOutside) context.rect(...inner);
-    context.fillStyle = "rgb(0 0 0 / 50%)";
-    context.fill("evenodd");
-    context.lineWidth = 1.5;
-    context.strokeStyle = LINES.region;
-    context.setLineDash(isOutside ? [4, 4] : []);
-    context.strokeRect(...inner);
-    context.setLineDash([]);
-    if (!isRegionEdited) return;
-    const [x, y, wide, high] = inner;
-    context.fillStyle = LINES.region;
-    for (const atX of [0, 0.5, 1])
-      for (const atY of [0, 0.5, 1])
-        if (atX !== 0.5 || atY !== 0.5)
-          context.fillRect(x + atX * wide - 4, y + atY * high - 4, 8, 8);
-  }
-
-  private drawCross(context: CanvasRenderingContext2D): void {
-    const {x, y} = this.pixelOf(this.shared.position);
-    const {width, height} = this.extent;
-    const gap = 9;
-    context.beginPath();
-    for (const [ax, ay, bx, by] of [
-      [0, y, x - gap, y],
-      [x + gap, y, width, y],
-      [x, 0, x, y - gap],
-      [x, y + gap, x, height],
-    ]) {
-      context.moveTo(ax, ay);
-      context.lineTo(bx, by);
-    }
-    context.lineWidth = 1;
-    context.lineCap = "butt";
-    context.strokeStyle = LINES.cross;
-    context.stroke();
-  }
-
-  private text(
-    context: CanvasRenderingContext2D,
-    text: string,
-    x: number,
-    y: number,
-    align: CanvasTextAlign,
-  ): void {
-    context.textAlign = align;
-    context.textBaseline = "middle";
-    context.font = `600 12px ${getComputedStyle(document.body).fontFamily}`;
-    context.lineWidth = 3;
-    context.lineJoin = "round";
-    context.strokeStyle = LINES.halo;
-    context.strokeText(text, x, y);
-    context.fillStyle = LINES.text;
-    context.fillText(text, x, y);
-  }
-
-  private drawEnds(context: CanvasRenderingContext2D): void {
-    const {width, height} = this.extent;
-    const {left, right, top, bottom} = this.plane.ends;
-    this.text(context, left, 7, height / 2, "left");
-    this.text(context, right, width - 7, height / 2, "right");
-    this.text(context, top, width / 2, 12, "center");
-    this.text(context, bottom, width / 2, height - 12, "center");
-  }
-
-  private drawScale(context: CanvasRenderingContext2D): void {
-    const {width, height} = this.extent;
-    const length = scaleLength(this.scale, Math.min(100, width / 4));
-    const pixels = length * this.scale;
-    const [right, y] = [width - 10, height - 10];
-    for (const [line, colour] of [[4, LINES.halo], [1.5, LINES.text]] as const) {
-      context.beginPath();
-      context.moveTo(right - pixels, y - 4);
-      context.lineTo(right - pixels, y);
-      context.lineTo(right, y);
-      context.lineTo(right, y - 4);
-      context.lineWidth = line;
-      context.strokeStyle = colour;
-      context.stroke();
-    }
-    this.text(context, `${number(length)}${this.shared.grid.unitText}`, right, y - 13, "right");
   }
 }

@@ -40,7 +40,6 @@ const HELP: [string, string][] = [
 ];
 
 export class ViewPage {
-  private readonly volume: Volume;
   private readonly grid: Grid;
   private readonly follower: MeshFollower;
   private readonly isovalue: IsovalueControl;
@@ -65,9 +64,8 @@ export class ViewPage {
 
   constructor(
     private readonly server: Server,
-    volume: Volume,
+    private readonly volume: Volume,
   ) {
-    this.volume = volume;
     this.grid = new Grid(volume);
     this.region = new Region(volume.size);
     volume.roi?.forEach((ends, axis) => this.region.set(axis, ends as Ends));
@@ -110,8 +108,15 @@ export class ViewPage {
       slicesChanged: () => this.displayChanged(),
       meshChanged: () => this.meshStyleChanged(),
     });
+    this.shared = this.makeShared();
+    this.slices = [0, 1, 2].map((axis) => new SliceView(axis, this.shared));
+    this.meshView = this.makeMeshView();
+  }
+
+  private makeShared(): Shared {
+    const {volume, grid, region} = this;
     const store = new SliceStore(
-      server,
+      this.server,
       volume.size,
       (slice) => {
         this.slices[slice.axis].arrived(slice);
@@ -119,8 +124,8 @@ export class ViewPage {
       },
       (reason) => reason instanceof Refused || console.error(reason),
     );
-    this.shared = {
-      grid: this.grid,
+    return {
+      grid,
       store,
       position: volume.size.map((n) => Math.floor(n / 2)) as Triple,
       range: defaultRange(volume.histogram),
@@ -128,7 +133,7 @@ export class ViewPage {
       rule: this.isovalue.rule,
       showsIsoline: true,
       showsCross: true,
-      region: this.region,
+      region,
       isRegionEdited: false,
       goTo: (position) => this.goTo(position),
       setRange: (range) => this.setRange(range),
@@ -138,8 +143,10 @@ export class ViewPage {
       },
       enlarge: (id) => this.enlarge(id),
     };
-    this.slices = [0, 1, 2].map((axis) => new SliceView(axis, this.shared));
-    this.meshView = new MeshView(
+  }
+
+  private makeMeshView(): MeshView {
+    return new MeshView(
       this.grid,
       this.follower,
       () => this.shared.position,
