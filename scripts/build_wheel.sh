@@ -9,6 +9,8 @@ cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh wheel
 wheels=$PWD/build/wheels work=$PWD/build/wheel-work
 mkdir -p "$wheels" "$work"
+exec 9> "$work/lock"
+flock 9  # setuptools uses the same folders for all builds
 
 . scripts/use_ccache.sh
 # libexpat is on the list of libraries that every Linux has, but small images lack it, so it is
