@@ -9,6 +9,8 @@ cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh wheel
 wheels=$PWD/build/wheels work=$PWD/build/wheel-work
 mkdir -p "$wheels" "$work"
+exec 9> "$work/lock"
+flock 9  # setuptools uses the same folders for all builds
 
 . scripts/use_ccache.sh
 # libexpat is on the list of libraries that every Linux has, but small images lack it, so it is
@@ -52,7 +54,9 @@ for python in "$@"; do
   run "$work/$tag.log" env ISOATLAS_CMAKE_FOLDER="$PWD/build/wheel-$tag" \
     "$bin/python" -m pip wheel -q --no-deps --no-build-isolation -w "$work/$tag-raw" .
   # The system's OpenGL and X11 belong to its graphics driver. `isoatlas picture` alone needs them.
-  run "$work/$tag-repair.log" env AUDITWHEEL_LD_LIBRARY_PATH="$work" PATH="$bin:$PATH" \
+  # Versions of auditwheel for Python 3.9 read the first variable only, newer ones the second.
+  run "$work/$tag-repair.log" env LD_LIBRARY_PATH="$work" AUDITWHEEL_LD_LIBRARY_PATH="$work" \
+    PATH="$bin:$PATH" \
     "$bin/auditwheel" repair --exclude 'libGLX.so.*' --exclude 'libOpenGL.so.*' \
     --exclude 'libGLdispatch.so.*' --exclude 'libxcb.so.*' \
     -w "$work/$tag-repaired" "$work/$tag-raw"/isoatlas-*.whl
