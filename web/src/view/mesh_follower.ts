@@ -111,7 +111,7 @@ export class MeshFollower {
   }
 
   /**
-   * Sends after all earlier requests are answered: requests on several connections can overtake each
+   * Sends after all earlier requests are answered: on several connections they can overtake each
    * other, and the server makes the one that arrives last. Leaves out what has been replaced.
    */
   private send(request: number, name: string, body: object): void {
