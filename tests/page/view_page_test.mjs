@@ -331,6 +331,20 @@ describe("the mesh follows", () => {
     }, {faults: {delay: 200}});
   });
 
+  test("requests do not overtake each other", {timeout: SLOW}, async () => {
+    await viewing("ball", async (page, server) => {
+      await upToDate(page);
+      Object.assign(server.faults, {late: [0, 0, 700], delay: 1200});
+      await type(page, "#region-z-first", 5);
+      await type(page, "#region-z-last", 30);
+      await page.locator("#topology-faces").click();
+      await upToDate(page);
+      assert.equal(lastMesh(server).roi, ":,:,5:30");
+      assert.equal(lastMesh(server).topology, "faces");
+      assert.deepEqual((await state(page, "mesh")).options, await state(page, "options"));
+    });
+  });
+
   test("a preview, then the whole volume; cancel", {timeout: 2 * SLOW}, async () => {
     await viewing("ball", async (page, server) => {
       const line = () => page.locator("#mesh-line").textContent();

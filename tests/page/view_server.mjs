@@ -230,6 +230,7 @@ function meshBytes(volume, world, options, reduction) {
  *   preview     whether a mesh of a "reduced" volume comes first
  *   holds       whether final meshes and files wait until they are cancelled
  *   refuse      the error of each command and mesh
+ *   late        ms until the next requests for a mesh arrive, the last one first
  *   fail        the message with which each mesh fails
  * @returns address, the requests that were received, the number of meshes that were replaced before
  *          they were made, and what ends it
@@ -308,6 +309,8 @@ export async function serveVolume(name, faults = {}) {
       const chunks = [];
       for await (const chunk of request) chunks.push(chunk);
       const body = JSON.parse(Buffer.concat(chunks).toString());
+      const late = path === "mesh" ? faults.late?.pop() : 0;
+      if (late) await new Promise((done) => setTimeout(done, late));
       received.push({path, ...body});
       const error = path === "cancel" ? null : faults.refuse;
       return reply(error ? 400 : 200, "application/json",

@@ -40,6 +40,7 @@ export class MeshFollower {
   private waiting: Option[] | null = null;
   private shown: Shown | null = null;
   private isStopped = false;
+  private sent: Promise<void> = Promise.resolve();
   stage = "";
   fraction: number | null = null;
   /** Why there is no mesh at the last options; "" if there is one or it is being made. */
@@ -94,19 +95,34 @@ export class MeshFollower {
       this.waiting = options;
       return;
     }
-    void this.start(options);
+    this.start(options);
   }
 
   /** Makes the mesh of these options, also if it is being made or was cancelled. */
   restart(options: Option[]): void {
-    if (!this.isStopped && !this.isUpToDate) void this.start(options);
+    if (!this.isStopped && !this.isUpToDate) this.start(options);
   }
 
   cancel(): void {
     if (!this.running) return;
     const {request} = this.running;
     this.waiting = null;
-    this.server.post("cancel", {request}).catch((reason) => this.fail(request, reason));
+    this.send(request, "cancel", {request});
+  }
+
+  /**
+   * Sends after all earlier requests are answered: on several connections they can overtake each
+   * other, and the server makes the one that arrives last. Leaves out what has been replaced.
+   */
+  private send(request: number, name: string, body: object): void {
+    this.sent = this.sent.then(async () => {
+      if (this.running?.request !== request) return;
+      try {
+        await this.server.post(name, body);
+      } catch (reason) {
+        this.fail(request, reason);
+      }
+    });
   }
 
   /** For ever, because the server has ended. */
@@ -140,7 +156,7 @@ export class MeshFollower {
     this.changed();
   }
 
-  private async start(options: Option[]): Promise<void> {
+  private start(options: Option[]): void {
     const request = nextRequest();
     const key = JSON.stringify(options);
     this.waiting = null;
@@ -150,11 +166,7 @@ export class MeshFollower {
     this.problem = "";
     this.wasCancelled = false;
     this.changed();
-    try {
-      await this.server.post("mesh", {request, options});
-    } catch (reason) {
-      this.fail(request, reason);
-    }
+    this.send(request, "mesh", {request, options});
   }
 
   private fail(request: number, reason: unknown): void {
@@ -185,7 +197,7 @@ export class MeshFollower {
     if (this.running !== running) return;
     running.hasFirst = true;
     if (final) this.finish();
-    else if (this.waiting) void this.start(this.waiting);
+    else if (this.waiting) this.start(this.waiting);
     this.changed();
   }
 
@@ -199,6 +211,6 @@ export class MeshFollower {
 
   private finish(): void {
     this.running = null;
-    if (this.waiting) void this.start(this.waiting);
+    if (this.waiting) this.start(this.waiting);
   }
 }

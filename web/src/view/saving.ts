@@ -41,6 +41,7 @@ export class Saving {
   private readonly problem = element("p", {class: "bad problem", id: "command-problem"});
   private readonly copy = copyButton(this.command, "copy-command");
   private request: number | null = null;
+  private started: Promise<unknown> = Promise.resolve();
   private pending = 0;
   private latest = 0;
   private isCurrent = false;  // whether the command line is that of the options
@@ -108,8 +109,9 @@ export class Saving {
     this.summary.hidden = true;
     this.setStatus("Saving …");
     this.show();
+    this.started = this.server.post("save", {request, options, format: this.format.value});
     try {
-      await this.server.post("save", {request, options, format: this.format.value});
+      await this.started;
     } catch (reason) {
       this.end(request, sentence(wordsOf(reason)), true);
     }
@@ -118,8 +120,9 @@ export class Saving {
   private cancel(): void {
     const {request} = this;
     if (request === null) return;
-    this.server
-      .post("cancel", {request})
+    // Afterwards, because requests on several connections can overtake each other.
+    this.started
+      .then(() => this.server.post("cancel", {request}))
       .catch((reason) => this.end(request, sentence(wordsOf(reason)), true));
   }
 
