@@ -128,21 +128,21 @@ SampleHistogram coarsened(const SampleHistogram& histogram, std::size_t most_bin
 std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram,
                                                  const SampleSummary& summary) {
   std::vector<SuggestedIsovalue> suggestions;
-  const auto suggest = [&](double value, const std::string& reason) {
+  const auto suggest = [&](double value, const std::string& reason, bool is_of_distances = false) {
     if (value <= summary.minimum || value >= summary.maximum) return;
     for (SuggestedIsovalue& other : suggestions) {
       if (other.value != value) continue;
       other.reason += "; " + reason;
       return;
     }
-    suggestions.push_back({value, reason});
+    suggestions.push_back({value, reason, is_of_distances});
   };
   if (looks_like_distances(summary)) {
     const std::string reason = "the range is symmetric about 0, as in a signed distance field";
     if (histogram.of_integers)
-      suggest(-0.5, reason + " (0 with no ties)");
+      suggest(-0.5, reason + " (0 with no ties)", true);
     else
-      suggest(0, reason);
+      suggest(0, reason, true);
   }
   const auto occupied = std::count_if(histogram.counts.begin(), histogram.counts.end(),
                                       [](std::size_t n) { return n > 0; });

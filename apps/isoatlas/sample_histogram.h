@@ -29,6 +29,7 @@ SampleHistogram coarsened(const SampleHistogram& histogram, std::size_t most_bin
 struct SuggestedIsovalue {
   double value = 0;
   std::string reason;
+  bool is_of_distances = false;  ///< the samples look like a signed distance field
 };
 
 /// Suggested isovalues in increasing order: thresholds that split the samples into two and into

@@ -386,6 +386,16 @@ class Start(unittest.TestCase):
             view.post("command", body)[1]["command"],
             "isoatlas extract v.nrrd --iso 0.5 --roi 21:29,2:,3:4 -o v.ply")
 
+    def test_first_isovalue_of_distances(self):
+        # As many samples at each distance of the band: a threshold of the histogram is lower.
+        write_nrrd(self.folder / "v.nrrd", (40, 20, 20),
+                   lambda x, y, z: min(max(12 - x / 1.5 + 0.01 * y, -8), 8))
+        view = View(self.folder, "v.nrrd")
+        self.addCleanup(view.end)
+        volume = json.loads(view.get("volume"))
+        self.assertGreater(len(volume["suggested"]), 1)
+        self.assertEqual((volume["isovalue"], volume["inside"]), (0, "below"))
+
     def test_port_in_use(self):
         write_nrrd(self.folder / "v.nrrd", (8, 8, 8), two_balls)
         view = View(self.folder, "v.nrrd")

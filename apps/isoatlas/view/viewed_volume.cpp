@@ -55,12 +55,11 @@ Json suggestions_value(const std::vector<SuggestedIsovalue>& suggestions) {
   return out;
 }
 
-/// The isovalue to show first: as typed, or the first suggestion, or the middle of the range.
-double first_isovalue(const ViewArguments& arguments, const SampleSummary& summary,
-                      const std::vector<SuggestedIsovalue>& suggestions) {
-  if (arguments.isovalue) return *arguments.isovalue;
-  if (!suggestions.empty()) return suggestions.front().value;
-  return summary.minimum / 2 + summary.maximum / 2;
+/// The suggestion to show first: that for distances, or the lowest. Null if there is none.
+const SuggestedIsovalue* first_of(const std::vector<SuggestedIsovalue>& suggestions) {
+  for (const SuggestedIsovalue& suggestion : suggestions)
+    if (suggestion.is_of_distances) return &suggestion;
+  return suggestions.empty() ? nullptr : &suggestions.front();
 }
 
 template <class Sample>
@@ -89,9 +88,12 @@ std::string describe_for_page(const ViewArguments& arguments, const VolumeFile& 
   const SampleHistogram histogram = sample_histogram(volume, summary);
   const SampleHistogram drawn = coarsened(histogram, kDrawnBins);
   const auto suggestions = suggest_isovalues(histogram, summary);
-  const bool is_distance = summary.minimum < 0 && !suggestions.empty() &&
-                           suggestions.front().reason.find("distance") != std::string::npos;
-  const Inside inside = arguments.inside.value_or(is_distance ? Inside::below : Inside::above);
+  const SuggestedIsovalue* first = first_of(suggestions);
+  const double isovalue = arguments.isovalue.value_or(
+      first != nullptr ? first->value : summary.minimum / 2 + summary.maximum / 2);
+  // Distances are usually negative inside.
+  const Inside inside = arguments.inside.value_or(
+      first != nullptr && first->is_of_distances ? Inside::below : Inside::above);
   return Json{{"schema", "isoatlas-view-1"},
               {"version", ISOATLAS_VERSION},
               {"title", arguments.volume.path.filename().string()},
@@ -112,7 +114,7 @@ std::string describe_for_page(const ViewArguments& arguments, const VolumeFile& 
                 {"of_integers", drawn.of_integers},
                 {"counts", drawn.counts}}},
               {"suggested", suggestions_value(suggestions)},
-              {"isovalue", first_isovalue(arguments, summary, suggestions)},
+              {"isovalue", isovalue},
               {"inside", inside == Inside::above ? "above" : "below"},
               {"roi", nullptr},
               {"warnings", file.source.warnings},
