@@ -55,7 +55,7 @@ Json suggestions_value(const std::vector<SuggestedIsovalue>& suggestions) {
   return out;
 }
 
-/// The suggestion to show first: that for distances, or the lowest. Null if there is none.
+/// The suggestion to show first: that for distances, or the lowest; null without suggestions.
 const SuggestedIsovalue* first_of(const std::vector<SuggestedIsovalue>& suggestions) {
   for (const SuggestedIsovalue& suggestion : suggestions)
     if (suggestion.is_of_distances) return &suggestion;
