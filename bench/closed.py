@@ -22,7 +22,6 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import time
 
 import numpy as np
 
@@ -39,13 +38,12 @@ Written by `bench/closed.py`: `--border closed --topology faces`, level 0 and th
 default bound. An oracle from outside the project compares each level with the volume around which
 a layer of samples is outside: the topology component by component, boundary loops, and all pairs of
 triangles, exactly. "Off the boundary" is the largest distance of a cap from its face of the volume
-boundary, in voxels. "Time" is that of the extraction of both levels, divided by that of the open
-mesh.
+boundary, in voxels.
 """
 HEADER = [
     "| isosurface | level | triangles | of them caps | topology | boundary loops "
-    "| intersecting pairs | off the boundary | time |",
-    "|---|---|---:|---:|---|---:|---:|---:|---:|",
+    "| intersecting pairs | off the boundary |",
+    "|---|---|---:|---:|---|---:|---:|---:|",
 ]
 
 
@@ -96,17 +94,12 @@ def verdict_on(oracle, folder, iso, level):
     return done.returncode, json.loads(done.stdout)["mesh"]["report"]
 
 
-def timed_extract(volume, iso, **options):
-    start = time.monotonic()
-    mesh = isoatlas.extract(volume, float(iso), topology="faces", space="voxel", **options)
-    return mesh, time.monotonic() - start
-
-
 def rows_of(oracle, folder, label, volume, iso, coarse):
     """Yields the row of each level, and whether it passes."""
     write_padded(folder / "padded.nrrd", volume.array)
-    mesh, seconds = timed_extract(volume, iso, border="closed", coarse=coarse)
-    ratio = seconds / timed_extract(volume, iso, coarse=coarse)[1]
+    mesh = isoatlas.extract(
+        volume, float(iso), topology="faces", space="voxel", border="closed", coarse=coarse
+    )
     for level in mesh.levels:
         status, verdict = verdict_on(oracle, folder, iso, level)
         pairs, loops = verdict["self_intersections"]["pairs"], verdict["boundary_loops"]
@@ -115,8 +108,7 @@ def rows_of(oracle, folder, label, volume, iso, coarse):
         row = (
             f"| {label if is_first else ''} | {'coarse' if is_first else 'default bound'} "
             f"| {len(level.faces):,} | {level.report['caps']['triangles']:,} "
-            f"| {'equal' if status == 0 else 'differs'} | {loops} | {pairs} | {off:.2g} "
-            f"| {f'{ratio:.2f}' if is_first else ''} |"
+            f"| {'equal' if status == 0 else 'differs'} | {loops} | {pairs} | {off:.2g} |"
         )
         yield row, status == 0 and loops == 0 and pairs == 0 and off <= 1e-9 * max(
             volume.array.shape)
