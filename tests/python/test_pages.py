@@ -4,6 +4,8 @@
 import importlib.util
 import os
 import pathlib
+import shlex
+import sys
 
 import pytest
 
@@ -18,15 +20,20 @@ PAGES = page_commands.tutorial_pages()
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
-def test_output_is_that_on_the_page(path, tool, monkeypatch):
+def test_output_is_that_on_the_page(path, tool, monkeypatch, tmp_path):
+    # The python3 of the pages is the interpreter that the module is for.
+    python = tmp_path / "python3"
+    python.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} "$@"\n')
+    python.chmod(0o755)
     tool_folder = pathlib.Path(os.environ["ISOATLAS_TOOL"]).parent
-    monkeypatch.setenv("PATH", f"{tool_folder}{os.pathsep}{os.environ['PATH']}")
+    path_variable = os.pathsep.join([str(tmp_path), str(tool_folder), os.environ["PATH"]])
+    monkeypatch.setenv("PATH", path_variable)
     page = page_commands.Page(path)
     with page_commands.folder_with_samples() as folder:
         page.run(folder)
     if page.skipped:
         pytest.skip(f"needs {', '.join(page.skipped)}")
-    assert page.ran >= 2
+    assert page.ran >= 1
     advice = "scripts/page_commands.py --update writes the output into the page"
     assert not page.problems, "\n".join([*page.problems, advice])
 
