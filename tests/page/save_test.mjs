@@ -128,7 +128,7 @@ test("only shown components are saved", {timeout: 2 * SLOW}, async () => {
     if (format === "stl") {
       assert.equal(bytes.readUInt32LE(80), 128);
       assert.equal(bytes.length, 84 + 50 * 128);
-      assert.match(bytes.subarray(0, 80).toString(), /^SPACE=LPS isoatlas/);
+      assert.match(bytes.subarray(0, 80).toString(), /^SPACE=LPS UNIT=mm isoatlas/);
       // Normals point outward, away from the centre of the ball at (40, 0, 0).
       const at = (k) => bytes.readFloatLE(84 + 4 * k);
       const normal = [0, 1, 2].map(at);

@@ -51,6 +51,7 @@ export function saveMesh(format: MeshFormat, saved: Saved): string {
   const bytes = meshFile(format, part, {
     comment: `isoatlas ${version}, ${name}`.replace(/[^\x20-\x7e]/g, "?"),
     space: space === "lps" || space === "ras" ? space.toUpperCase() : null,
+    unit: space === "voxel" ? "" : result.unit,
   });
   download(name, new Blob([bytes as BlobPart]));
   const all = shape.components().list.length;

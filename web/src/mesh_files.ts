@@ -16,7 +16,13 @@ export interface MeshInfo {
   comment: string;
   /** "LPS" or "RAS", as 3D Slicer reads it from .ply and .stl files; null: not stated. */
   space: string | null;
+  /** Symbol of the unit of positions: A, nm, um, mm, cm, m or in. Others are not known. */
+  unit: string;
 }
+
+const MILLIMETRES = new Map([
+  ["A", 1e-7], ["nm", 1e-6], ["um", 1e-3], ["mm", 1], ["cm", 10], ["m", 1000], ["in", 25.4],
+]);
 
 export type MeshFormat = "glb" | "ply" | "stl";
 
@@ -80,17 +86,24 @@ function ply({positions, centre, triangles}: TriangleMesh, {comment, space}: Mes
   return out;
 }
 
-/** Binary STL. Positions are floats, as the format requires. */
-function stl({positions, centre, triangles}: TriangleMesh, {comment, space}: MeshInfo): Uint8Array {
+/**
+ * Binary STL. Positions are floats, as the format requires, and millimetres if the unit is known, as
+ * programs for printing read them.
+ */
+function stl({positions, centre, triangles}: TriangleMesh, info: MeshInfo): Uint8Array {
+  const {comment, space, unit} = info;
+  const scale = MILLIMETRES.get(unit);
   const out = new Uint8Array(84 + (50 * triangles.length) / 3);
   // A header that starts with "solid" would be read as text.
-  out.set(bytesOf(`${space ? `SPACE=${space} ` : "STL "}${comment}`).subarray(0, 80));
+  const header = [space ? `SPACE=${space}` : "STL", ...(scale ? ["UNIT=mm"] : []), comment];
+  out.set(bytesOf(header.join(" ")).subarray(0, 80));
   const view = new DataView(out.buffer);
   view.setUint32(80, triangles.length / 3, true);
   const corner = new Float32Array(9);
   for (let i = 0, at = 84; i < triangles.length; i += 3, at += 50) {
     for (let k = 0; k < 9; ++k)
-      corner[k] = positions[3 * triangles[i + Math.floor(k / 3)] + (k % 3)] + centre[k % 3];
+      corner[k] =
+        (positions[3 * triangles[i + Math.floor(k / 3)] + (k % 3)] + centre[k % 3]) * (scale ?? 1);
     normalOf(corner).forEach((v, axis) => view.setFloat32(at + 4 * axis, v, true));
     corner.forEach((v, k) => view.setFloat32(at + 12 + 4 * k, v, true));
   }
