@@ -87,8 +87,8 @@ function ply({positions, centre, triangles}: TriangleMesh, {comment, space}: Mes
 }
 
 /**
- * Binary STL. Positions are floats, as the format requires, and millimetres if the unit is known, as
- * programs for printing read them.
+ * Binary STL. Positions are floats, as the format requires. If the unit is known, they are in
+ * millimetres, as programs for printing read them.
  */
 function stl({positions, centre, triangles}: TriangleMesh, info: MeshInfo): Uint8Array {
   const {comment, space, unit} = info;
