@@ -22,7 +22,7 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 using httplib::Request;
 using httplib::Response;
 
