@@ -19,8 +19,10 @@ import zipfile
 
 # Debian package -> licence of the library in it.
 LICENCES = {
+    "libbrotli1": "MIT",
     "libbz2-1.0": "bzip2-1.0.6",
     "libcharls2": "BSD-3-Clause",
+    "libcpp-httplib0.11": "MIT",
     "libdcmtk17": "BSD-3-Clause",
     "libdeflate0": "MIT",
     "libdouble-conversion3": "BSD-3-Clause",

@@ -71,7 +71,9 @@ def test_pip(sources, tmp_path):
     samples = ["samples/embryo.nrrd", "samples/protein_iron.raw", "samples/LICENSE-samples.txt"]
     for name in ("py.typed", "_core.pyi", "_core.cpython", "errors.py", "pyvista.py", *samples):
         assert f"isoatlas/{name}" in files
-    refused = subprocess.run([sources / "venv/bin/isoatlas"], capture_output=True, text=True)
+    refused = subprocess.run(
+        [sources / "venv/bin/isoatlas"], capture_output=True, text=True, env=environment()
+    )
     assert refused.returncode == 2 and "without the command-line tool" in refused.stderr
 
 
