@@ -19,7 +19,7 @@ std::int64_t magnitude(Random& random, std::int64_t largest) {
 
 TEST(Adversarial, EverySignPatternOfOneCell) {
   Random random(11);
-  const int rounds = many() ? 8 : 1;
+  const int rounds = many() ? 4 : 1;
   for (int pattern = 1; pattern < 255; ++pattern) {
     for (const std::int64_t largest : kLargest) {
       for (int round = 0; round < rounds; ++round) {
@@ -37,7 +37,7 @@ TEST(Adversarial, EverySignPatternOfOneCell) {
 // The grid cell is in the middle of a volume, so that its surface continues on all sides.
 TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
   Random random(12);
-  const int rounds = many() ? 5 : 1;
+  const int rounds = many() ? 3 : 1;
   for (int pattern = 1; pattern < 255; ++pattern) {
     for (int round = 0; round < rounds; ++round) {
       const std::int64_t largest = kLargest[random.bits() % kLargest.size()],
@@ -57,7 +57,7 @@ TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
 // A selection of the 2^27 patterns, without and with a layer of equal samples around them.
 TEST(Adversarial, SignPatternsOfThreeByThreeByThree) {
   Random random(13);
-  const int count = many() ? 10'000 : 500;
+  const int count = many() ? 4'000 : 500;
   for (int k = 0; k < count; ++k) {
     const auto pattern = static_cast<std::uint32_t>(random.bits() & ((1u << 27) - 1) &
                                                     (k % 3 == 0 ? random.bits() : ~0ull));
