@@ -150,15 +150,19 @@ void Saver::run(std::int64_t request, std::vector<std::string> words) {
   const Saved saved{folder_ / std::to_string(count_++) / name, name.string()};
   std::error_code ignored;  // of a file that pages can no longer fetch
   if (count_ > kKept) fs::remove_all(folder_ / std::to_string(count_ - kKept - 1), ignored);
+  std::string result;
   try {
     fs::create_directory(saved.path.parent_path());
     words.back() = saved.path.string();
-    send_result(request, run_command(request, words), saved);
+    result = result_message(request, run_command(request, words), saved);
   } catch (const std::exception& error) {
-    events_.send(failure(request, error.what()));
+    result = failure(request, error.what());
   }
-  const std::lock_guard lock(mutex_);
-  current_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    current_.reset();
+  }
+  events_.send(result);  // from now on, pages may save again
 }
 
 Saver::Output Saver::run_command(std::int64_t request, const std::vector<std::string>& words) {
@@ -197,19 +201,19 @@ Saver::Output Saver::run_command(std::int64_t request, const std::vector<std::st
   return output;
 }
 
-void Saver::send_result(std::int64_t request, const Output& output, const Saved& saved) {
+std::string Saver::result_message(std::int64_t request, const Output& output, const Saved& saved) {
   const int status = WIFEXITED(output.status) ? WEXITSTATUS(output.status) : kInternal;
   const bool was_written = status == kSuccess || status == kUnsatisfied;
   {
     const std::lock_guard lock(mutex_);
-    if (!was_written && was_cancelled_) return events_.send(message("cancelled", request));
+    if (!was_written && was_cancelled_) return message("cancelled", request);
   }
-  if (!was_written) return events_.send(failure(request, error_line(output.errors)));
+  if (!was_written) return failure(request, error_line(output.errors));
   std::error_code error;
   const std::uintmax_t bytes = fs::file_size(saved.path, error);
-  if (error) return events_.send(failure(request, "the file has disappeared"));
+  if (error) return failure(request, "the file has disappeared");
   const std::uint64_t id = files_.keep(saved);
-  events_.send(saved_message(request, id, saved.name, bytes, output.text + output.errors));
+  return saved_message(request, id, saved.name, bytes, output.text + output.errors);
 }
 
 }  // namespace isoatlas::detail::tool

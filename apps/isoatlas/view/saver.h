@@ -55,7 +55,7 @@ class Saver {
 
   void run(std::int64_t request, std::vector<std::string> words);
   Output run_command(std::int64_t request, const std::vector<std::string>& words);
-  void send_result(std::int64_t request, const Output& output, const Saved& saved);
+  std::string result_message(std::int64_t request, const Output& output, const Saved& saved);
 
   const std::filesystem::path folder_;
   Events& events_;
