@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,8 +17,7 @@
 #include "filter_progress.h"
 #include "isoatlas/error.h"
 #include "view/messages.h"
-
-extern char** environ;
+#include "view/start_process.h"
 
 namespace isoatlas::detail::tool {
 namespace {
@@ -49,33 +47,6 @@ struct Pipe {
     write_end = -1;
   }
 };
-
-/// Starts this program with other words. @return the process; -1 if it cannot be started
-pid_t start_tool(const std::vector<std::string>& words, const Pipe& out, const Pipe& errors) {
-  std::vector<std::string> all{"isoatlas"};
-  all.insert(all.end(), words.begin(), words.end());
-  std::vector<char*> argv;
-  for (std::string& word : all) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, out.write_end, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, errors.write_end, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none;  // this program blocks signals, its child should not
-  sigemptyset(&none);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C reaches it through stop()
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
-  pid_t process = -1;
-  const int failed =
-      posix_spawn(&process, "/proc/self/exe", &actions, &attributes, argv.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return failed == 0 ? process : -1;
-}
 
 /// Reads what is available. @return false at the end
 bool read_more(int from, std::string& into) {
@@ -166,14 +137,14 @@ void Saver::run(std::int64_t request, std::vector<std::string> words) {
 }
 
 Saver::Output Saver::run_command(std::int64_t request, const std::vector<std::string>& words) {
-  std::vector<std::string> all{kFilterProgressFlag};
+  std::vector<std::string> all{"isoatlas", kFilterProgressFlag};
   all.insert(all.end(), words.begin(), words.end());
   Pipe out, errors;
   pid_t process = -1;
   {
     const std::lock_guard lock(mutex_);
     if (was_cancelled_) throw Error(ErrorCode::cancelled, "cancelled");
-    process = process_ = start_tool(all, out, errors);
+    process = process_ = start_process("/proc/self/exe", all, out.write_end, errors.write_end);
   }
   if (process < 0) throw Error(ErrorCode::internal, "the extraction cannot be started");
   out.close_write_end();
