@@ -76,7 +76,7 @@ int run_view(const ViewArguments& arguments, Interruption& interruption) {
       arguments.opens_browser && open_in_browser(server.address(), folder.path());
   if (!arguments.quiet)
     std::cerr << (is_opened ? "" : "Open this address in a browser. ")
-              << "It ends when the page is closed, or with Ctrl-C." << std::endl;
+              << "isoatlas view ends when its page is closed, or with Ctrl-C." << std::endl;
 
   while (!interruption.requested() && !events.all_closed_for(kPatience))
     std::this_thread::sleep_for(kPoll);

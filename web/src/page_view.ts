@@ -19,17 +19,12 @@ import {madeBy} from "./made_by";
 import type {MeshFormat} from "./mesh_files";
 import {orientationOf, type Orientation, type Side} from "./orientation";
 import {Overlay} from "./overlay";
-import {contextOf, Scene, toFile, type Style} from "./scene";
+import {contextOf, Scene, STYLES, toFile, type Style} from "./scene";
 import {Theme} from "./theme";
 import {viewOf, viewText, type LinkedView} from "./view_link";
 import {errorText, levelName} from "./words";
 
 const AXES = ["x", "y", "z"] as const;
-const STYLES: {value: Style; text: string}[] = [
-  {value: "smooth", text: "Smooth"},
-  {value: "split", text: "Both"},
-  {value: "lines", text: "Hidden line"},
-];
 const COLOURINGS: {value: Colouring; text: string}[] = [
   {value: "plain", text: "Plain"},
   {value: "aspect", text: "Aspect ratio"},

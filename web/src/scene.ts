@@ -25,6 +25,12 @@ import {FRAGMENT, VERTEX} from "./shaders";
 import {enclosedVolume, vertexNormals} from "./shape";
 
 export type Style = "smooth" | "split" | "lines";
+/** Their names on the pages. */
+export const STYLES: {value: Style; text: string}[] = [
+  {value: "smooth", text: "Smooth"},
+  {value: "split", text: "Both"},
+  {value: "lines", text: "Hidden line"},
+];
 
 export interface Cut {
   /** Position in the bounding box, 0 to 1. */

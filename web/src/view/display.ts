@@ -3,14 +3,9 @@
 import type {Colouring} from "../colours";
 import {button, checkbox, choice, problemLine, type Checkbox, type Choice} from "../controls";
 import {element, number} from "../dom";
-import type {Style} from "../scene";
+import {STYLES, type Style} from "../scene";
 import type {GreyRange} from "./grey";
 
-const STYLES: {value: Style; text: string}[] = [
-  {value: "smooth", text: "Smooth"},
-  {value: "split", text: "Both"},
-  {value: "lines", text: "Hidden line"},
-];
 const COLOURINGS: {value: Colouring; text: string}[] = [
   {value: "plain", text: "Plain"},
   {value: "component", text: "Component"},
