@@ -46,9 +46,13 @@ export async function openView(
   return {page, trouble, close: () => context.close()};
 }
 
-/** Waits until the mesh of the options is shown. */
+/** Waits until the mesh of the options, its components and the slices are shown. */
 export const upToDate = (page) =>
-  page.waitForFunction(() => window.isoatlas.upToDate, null, {timeout: 3 * SLOW});
+  page.waitForFunction(
+    () => window.isoatlas.upToDate && !document.querySelector("[aria-busy=true]"),
+    null,
+    {timeout: 3 * SLOW},
+  );
 
 export async function type(page, selector, text) {
   await page.locator(selector).fill(`${text}`);

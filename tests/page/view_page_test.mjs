@@ -616,28 +616,3 @@ test("no WebGL: a message, and slices", {timeout: 2 * SLOW}, async () => {
   await blind.close();
   await server.stop();
 });
-
-test("200 meshes leave the memory of the page flat", {timeout: 5 * SLOW}, async () => {
-  await viewing("ball", async (page) => {
-    await upToDate(page);
-    const client = await page.context().newCDPSession(page);
-    const used = async () => {
-      await client.send("HeapProfiler.collectGarbage");
-      return page.evaluate(() => performance.memory.usedJSHeapSize);
-    };
-    const change = async (times) => {
-      await page.locator("#handle").focus();
-      for (let k = 0; k < times; ++k) {
-        await page.keyboard.press(k % 2 ? "ArrowLeft" : "ArrowRight");
-        await upToDate(page);
-      }
-    };
-    await change(20);
-    const before = await used();
-    await change(200);
-    const after = await used();
-    const text = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
-    console.log(`heap before ${text(before)}, after ${text(after)}`);
-    assert.ok(after < before + 4e6, `${before} to ${after} bytes`);
-  });
-});

@@ -24,20 +24,26 @@ before(() => {
       "space origin: (1000,-2000,300)", 'space units: "mm" "mm" "mm"']);
 });
 
-/** Starts the tool and opens its page. The tool has to end with the page, with status 0. */
+/** The ends of the tools whose pages are closed. It takes seconds, so the last test awaits them. */
+const ends = [];
+
+/** Starts the tool and opens its page. */
 async function viewing(words, use, options = {}) {
   const server = await startView(...words);
   const {page, trouble, close} = await openView(server.address, options);
   try {
     await use(page, server);
     assert.deepEqual(trouble, []);
-    await close();
-    assert.equal((await server.ended).code, 0, "the tool ends with the page");
+  } catch (error) {
+    await server.stop();
+    throw error;
   } finally {
     await close();
-    await server.stop();
   }
+  ends.push(server.ended);
 }
+
+const SMALL = {width: 480, height: 360};  // quickly drawn
 
 const distance = (a, b) => Math.hypot(...a.map((v, axis) => v - b[axis]));
 
@@ -45,6 +51,17 @@ async function vertices(page) {
   const flat = await state(page, "positions");
   return Array.from({length: flat.length / 3}, (_, v) => flat.slice(3 * v, 3 * v + 3));
 }
+
+/**
+ * Clicks a button as soon as a state of the page is true, in the page itself: on a busy machine,
+ * the state can end before the click of a mouse arrives.
+ */
+const clickWhile = (page, name, button) =>
+  page.waitForFunction(([key, selector]) => {
+    if (!window.isoatlas[key]) return false;
+    document.querySelector(selector).click();
+    return true;
+  }, [name, button]);
 
 const run = (...words) => execFileSync(tool, words, {encoding: "utf8"});
 const percentile = (times, share) =>
@@ -130,8 +147,11 @@ test("the handle: mouse, keyboard, touch", {...needs(), timeout: 4 * SLOW}, asyn
 /** Saves the mesh and runs the shown command line. The two files have to be equal. */
 async function savedAsCommanded(page, format) {
   await page.locator("#format").selectOption(format);
-  await page.waitForFunction((end) => window.isoatlas.command?.endsWith(end), `.${format}`);
-  const command = await state(page, "command");
+  const shown = await page.waitForFunction((end) => {
+    const {command: now} = window.isoatlas;
+    return now?.endsWith(end) && now;
+  }, `.${format}`);
+  const command = await shown.jsonValue();
   const [download] = await Promise.all([
     page.waitForEvent("download", {timeout: 5 * SLOW}),
     page.locator("#save").click(),
@@ -297,8 +317,7 @@ test("512 x 512 x 512: preview, cancel, the whole volume", {...needs(), timeout:
       }
       await page.locator("#handle").focus();
       await page.keyboard.press("ArrowLeft");
-      await page.waitForFunction(() => window.isoatlas.running);
-      await page.locator("#cancel-mesh").click();
+      await clickWhile(page, "running", "#cancel-mesh");
       await page.waitForFunction(() => !window.isoatlas.running, null, {timeout: 2 * SLOW});
       assert.match(await line(), /cancelled|is still shown|There is no mesh yet/);
       await page.keyboard.press("ArrowLeft");
@@ -322,8 +341,7 @@ test("saving is cancelled", {...needs(), timeout: 4 * SLOW}, async () => {
     await upToDate(page);
     await page.locator("#max-distance").fill("0.002");
     await page.locator("#save").click();
-    await page.waitForFunction(() => window.isoatlas.saving);
-    await page.locator("#cancel-save").click();
+    await clickWhile(page, "saving", "#cancel-save");
     await page.waitForFunction(() => !window.isoatlas.saving, null, {timeout: 2 * SLOW});
     assert.match(await page.locator("#save-status").textContent(), /Nothing was saved/);
   });
@@ -355,10 +373,12 @@ test("interrupted: the page reports it", {...needs(), timeout: 3 * SLOW}, async 
   await close();
 });
 
-test("200 isovalues leave the memory of tool and page flat", {...needs(), timeout: 10 * SLOW},
-  async () => {
+test("changes of the isovalue leave the memory of tool and page flat",
+  {...needs(), timeout: 10 * SLOW}, async () => {
+    const shown = (page) =>
+      page.waitForFunction(() => window.isoatlas.upToDate, null, {timeout: 3 * SLOW});
     await viewing([protein], async (page, server) => {
-      await upToDate(page);
+      await shown(page);
       const client = await page.context().newCDPSession(page);
       const used = async () => {
         await client.send("HeapProfiler.collectGarbage");
@@ -368,19 +388,19 @@ test("200 isovalues leave the memory of tool and page flat", {...needs(), timeou
         await page.locator("#handle").focus();
         for (let k = 0; k < times; ++k) {
           await page.keyboard.press(k % 40 < 20 ? "ArrowRight" : "ArrowLeft");
-          await upToDate(page);
+          await shown(page);
         }
       };
       await change(40);
       const before = {page: await used(), tool: server.memory()};
-      await change(200);
+      await change(80);
       const after = {page: await used(), tool: server.memory()};
       const inMb = (bytes) => (bytes / 1e6).toFixed(1);
       const text = (bytes) => `page ${inMb(bytes.page)}, tool ${inMb(bytes.tool)}`;
-      console.log(`MB before: ${text(before)}; after 200 meshes: ${text(after)}`);
-      assert.ok(after.page < before.page + 8e6);
-      assert.ok(after.tool < 1.2 * before.tool + 20e6);
-    });
+      console.log(`MB before: ${text(before)}; after 80 meshes: ${text(after)}`);
+      assert.ok(after.page < before.page + 3e6);
+      assert.ok(after.tool < before.tool + 12e6);
+    }, SMALL);
   });
 
 /** Moves the handle and reports how soon a mesh follows. */
@@ -404,7 +424,11 @@ async function follows(name, isovalues) {
 }
 
 test("the mesh follows on the head", {...needs("head_igea_sdf.nrrd"), timeout: 6 * SLOW}, () =>
-  follows("head_igea_sdf.nrrd", Array.from({length: 30}, (_, k) => -3 + 0.2 * k)));
+  follows("head_igea_sdf.nrrd", Array.from({length: 12}, (_, k) => -3 + 0.5 * k)));
 
 test("the mesh follows on the chest", {...needs("ct_chest.mha"), timeout: 6 * SLOW}, () =>
-  follows("ct_chest.mha", Array.from({length: 30}, (_, k) => 40.5 + 5 * k)));
+  follows("ct_chest.mha", Array.from({length: 8}, (_, k) => 40.5 + 18 * k)));
+
+test("the tool ends with its page, with status 0", {timeout: SLOW}, async () => {
+  for (const {code, output} of await Promise.all(ends)) assert.equal(code, 0, output);
+});

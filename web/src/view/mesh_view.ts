@@ -238,7 +238,8 @@ export class MeshView {
       `Mesh: ${plural(vertices, "vertex", "vertices")}, ${plural(triangles, "triangle")}, ` +
         plural(facts.components, "component"),
     );
-    // The list takes longer than the picture.
+    // The list takes longer than the picture. Until then, it is of the last mesh.
+    this.listed.setAttribute("aria-busy", "true");
     clearTimeout(this.listing);
     this.listing = window.setTimeout(() => this.updateList(), LIST_AFTER);
   }
@@ -248,6 +249,7 @@ export class MeshView {
     this.listed.replaceChildren(
       this.list.open(this.shape, this.lengthUnit, this.scene?.facing ?? 1, this.host.notes()),
     );
+    this.listed.setAttribute("aria-busy", "false");
   }
 
   private componentsChanged(): void {
