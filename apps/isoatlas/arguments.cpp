@@ -118,12 +118,11 @@ the machine's memory.
   for (CLI::Option* option : {spacing, endian, offset}) option->needs(size);
 }
 
-void add_volume(CLI::App& app, VolumeArguments& volume) {
-  app.add_option("VOLUME", volume.path, R"(
+void add_volume(CLI::App& app, VolumeArguments& volume, const char* help = R"(
 File with a 3-D scalar image, folder with a DICOM series or image slices, or - for standard input.
 See FILES.
-)")->required()
-      ->group(kInput);
+)") {
+  app.add_option("VOLUME", volume.path, help)->required()->group(kInput);
   add_reading(app, volume.read);
 }
 // clang-format on
@@ -398,7 +397,9 @@ CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   CLI::App* command =
       add_command(app, "view", "choose an isovalue by looking, in the browser", view_page());
-  add_volume(*command, arguments.volume);
+  add_volume(*command, arguments.volume, R"(
+File with a 3-D scalar image, or folder with a DICOM series or image slices. See FILES.
+)");
   add_value(*command, kSurface, "--iso", "X", R"(
 The first isovalue. Default: the first that `isoatlas info` suggests.
 )", [&](const std::string& text) { arguments.isovalue = parse_finite(text); });
@@ -406,7 +407,7 @@ The first isovalue. Default: the first that `isoatlas info` suggests.
 Side of the isovalue that is inside at first: above or below. Default: below for signed distances,
 else above.
 )", [&](const std::string& text) { arguments.inside = parse_inside(text); });
-  command->add_flag("!--no-browser", arguments.opens_browser, R"(
+  command->add_flag_callback("--no-browser", [&] { arguments.opens_browser = false; }, R"(
 Only print the address of the page; open no browser.
 )")->group(kRunning);
   add_value(*command, kRunning, "--port", "N", R"(

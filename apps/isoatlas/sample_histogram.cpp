@@ -152,7 +152,8 @@ std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogra
       suggest(value_at(histogram, split), "splits the samples into two classes (Otsu)");
   if (occupied >= 3)
     for (const double split : three_classes(histogram.counts, moments))
-      suggest(value_at(histogram, split), "one of two that split them into three classes");
+      suggest(value_at(histogram, split),
+              "one of two that split the samples into three classes (Otsu)");
   std::sort(suggestions.begin(), suggestions.end(),
             [](const auto& a, const auto& b) { return a.value < b.value; });
   return suggestions;
