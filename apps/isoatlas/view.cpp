@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // isoatlas view: a page on which the isovalue is chosen by looking.
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <iostream>
@@ -34,10 +35,17 @@ constexpr std::chrono::seconds kPatience{4};
 class PrivateFolder {
  public:
   PrivateFolder() {
-    std::string name = (fs::temp_directory_path() / "isoatlas-view-XXXXXX").string();
+    std::error_code error;
+    fs::path parent = fs::temp_directory_path(error);
+    if (error) {
+      const char* wanted = std::getenv("TMPDIR");
+      parent = wanted != nullptr ? wanted : "/tmp";
+    }
+    std::string name = (parent / "isoatlas-view-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr)
-      throw Error(ErrorCode::bad_file,
-                  name + ": this folder for temporary files cannot be made; set TMPDIR");
+      throw Error(ErrorCode::bad_file, parent.string() +
+                                           ": no folder for temporary files can be made here; set "
+                                           "TMPDIR to a folder that can be written");
     path_ = name;
   }
   ~PrivateFolder() { remove(); }
@@ -75,7 +83,8 @@ int run_view(const ViewArguments& arguments, Interruption& interruption) {
   const bool is_opened =
       arguments.opens_browser && open_in_browser(server.address(), folder.path());
   if (!arguments.quiet)
-    std::cerr << (is_opened ? "" : "Open this address in a browser. ")
+    std::cerr << (is_opened ? "If no browser shows it, open this address in one. "
+                            : "Open this address in a browser. ")
               << "isoatlas view ends when its page is closed, or with Ctrl-C." << std::endl;
 
   while (!interruption.requested() && !events.all_closed_for(kPatience))
@@ -83,7 +92,12 @@ int run_view(const ViewArguments& arguments, Interruption& interruption) {
   interruption.finish();  // ending is what Ctrl-C is for here
   events.send(goodbye("isoatlas view has ended"));
   std::this_thread::sleep_for(kPoll);  // for the message to be sent
-  return kSuccess;
+  saver.end();
+  folder.remove();
+  // The server is not ended: it would wait for its connections, and any program of this computer
+  // can keep one open for as long as it likes.
+  std::cout.flush();
+  _exit(kSuccess);
 }
 
 }  // namespace isoatlas::detail::tool

@@ -12,10 +12,12 @@ import pathlib
 import re
 import shlex
 import signal
+import socket
 import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -40,9 +42,12 @@ def two_balls(x, y, z):
 class Events:
     """The messages of GET events, in the order in which they arrive."""
 
-    def __init__(self, view):
+    def __init__(self, view, last=None):
+        """last: the id of the last message before the connection broke."""
         self.connection = http.client.HTTPConnection("127.0.0.1", view.port, timeout=60)
-        self.connection.request("GET", view.base + "events", headers={"Host": view.host})
+        headers = {"Host": view.host, **({} if last is None else {"Last-Event-ID": last})}
+        self.connection.request("GET", view.base + "events", headers=headers)
+        self.last = last
         self.response = self.connection.getresponse()
         assert self.response.status == 200, self.response.read()
 
@@ -51,6 +56,8 @@ class Events:
         while True:
             line = self.response.readline().decode()
             assert line, "the stream of events has ended"
+            if line.startswith("id: "):
+                self.last = line[4:].strip()
             if not line.startswith("data: "):
                 continue
             message = json.loads(line[6:])
@@ -232,8 +239,45 @@ class ViewTest(unittest.TestCase):
         form = {"Content-Type": "application/x-www-form-urlencoded"}
         status, _, _ = self.view.request("POST", "mesh", '{"request":1,"options":[]}', form)
         self.assertEqual(status, 400)
-        status, _, _ = self.view.request("POST", "mesh", " " * (2 << 20))
-        self.assertEqual(status, 413)
+        status, content, _ = self.view.request("POST", "mesh", " " * (2 << 20))
+        self.assertEqual((status, json.loads(content)["error"]),
+                         (413, "the body of the request: expected at most 1 MiB"))
+
+    def test_compressed_bodies_are_refused(self):
+        """Small ones could need gigabytes."""
+        status, _, _ = self.view.request("POST", "mesh", "{}", {"Content-Encoding": "gzip",
+                                                                "Content-Type": "application/json"})
+        self.assertEqual(status, 415)
+
+    def test_saved_without_all_bounds(self):
+        options = [["iso", "0.5"], ["max-distance", "0.01vx"], ["max-vertices", "20"]]
+        self.view.post("save", {"request": 45, "options": options, "format": "ply"})
+        saved = self.events.next(45, "saved", "failed")
+        self.assertIs(saved["satisfied"], False)
+        self.assertIn("violated", saved["summary"])
+        self.assertNotIn(str(self.folder), saved["summary"], "a path that the user cannot use")
+        self.view.post("save", {"request": 46, "options": [["iso", "0.5"], ["coarse", ""]],
+                                "format": "ply"})
+        self.assertIs(self.events.next(46, "saved")["satisfied"], True)
+
+    def test_messages_while_the_connection_is_broken(self):
+        first = Events(self.view)
+        self.coarse(47, ["iso", "0.5"])
+        first.next(47, "mesh")
+        first.close()
+        self.coarse(48, ["iso", "0.25"])
+        again = Events(self.view, first.last)
+        self.addCleanup(again.close)
+        again.next(48, "mesh")
+
+    def test_few_pages(self):
+        """Browsers open six connections to a server; others are needed for meshes and slices."""
+        pages = [Events(self.view) for _ in range(3)]
+        status, content, _ = self.view.request("GET", "events")
+        for page in pages:
+            page.close()
+        self.assertEqual(status, 503)
+        self.assertIn("too many pages", json.loads(content)["error"])
 
     def test_only_the_page_is_answered(self):
         for headers, base in (
@@ -326,6 +370,8 @@ class LongWork(unittest.TestCase):
         self.assertTrue(facts["facts"]["certificate"]["passed"])
         self.events.next(1, "progress")
         self.start_mesh(2, "300")  # above all samples
+        # Another page may have requested it.
+        self.events.next(1, "cancelled")
         self.assertIn("no surface at isovalue", self.events.next(2, "failed")["message"])
 
     def test_cancel(self):
@@ -355,7 +401,34 @@ class LongWork(unittest.TestCase):
         self.assertNotIn(str(self.folder), processes)
 
     def test_ends_when_the_page_is_closed(self):
+        other = tempfile.TemporaryDirectory(prefix="isoatlas-view-test-")
+        self.addCleanup(other.cleanup)
+        write_nrrd(pathlib.Path(other.name) / "v.nrrd", (8, 8, 8), two_balls)
+        without_page = View(other.name, "v.nrrd")
+        self.addCleanup(without_page.end)
+        without_page.request("HEAD", "events")
         self.end(self.events.close)
+        self.assertIsNone(without_page.process.poll(), "HEAD is not a page that was closed")
+
+    def test_ends_while_a_connection_stays_open(self):
+        """Any program of this computer can open one, and send a byte now and then."""
+        slow = socket.create_connection(("127.0.0.1", self.view.port))
+        self.addCleanup(slow.close)
+        slow.sendall(b"GET / HTTP/1.1\r\nX: ")
+        stops = threading.Event()
+
+        def send():
+            while not stops.wait(0.2):
+                try:
+                    slow.sendall(b"a")
+                except OSError:
+                    return
+
+        thread = threading.Thread(target=send)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(stops.set)
+        self.end(lambda: self.view.process.send_signal(signal.SIGINT))
 
     def test_ends_with_ctrl_c(self):
         idle = http.client.HTTPConnection("127.0.0.1", self.view.port)
@@ -395,6 +468,16 @@ class Start(unittest.TestCase):
         volume = json.loads(view.get("volume"))
         self.assertGreater(len(volume["suggested"]), 1)
         self.assertEqual((volume["isovalue"], volume["inside"]), (0, "below"))
+
+    def test_no_folder_for_temporary_files(self):
+        write_nrrd(self.folder / "v.nrrd", (8, 8, 8), two_balls)
+        result = subprocess.run(
+            [str(TOOL), "view", "v.nrrd", "--no-browser"], cwd=self.folder, timeout=20,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
+            env={**os.environ, "TMPDIR": "/nonexistent"})
+        self.assertEqual((result.returncode, result.stdout), (2, ""))
+        self.assertRegex(result.stderr, "^isoatlas: error: /nonexistent: no folder for temporary "
+                                        r"files .*\n$")
 
     def test_port_in_use(self):
         write_nrrd(self.folder / "v.nrrd", (8, 8, 8), two_balls)

@@ -16,11 +16,12 @@ void Events::send(std::string message) {
   sent_.notify_all();
 }
 
-Events::Number Events::open() {
+Events::Number Events::open(std::optional<Number> last) {
   const std::lock_guard lock(mutex_);
   ++pages_;
   had_page_ = true;
-  return first_ + messages_.size();
+  const Number end = first_ + messages_.size();
+  return last && *last < end ? std::max(*last + 1, first_) : end;
 }
 
 void Events::close() {
@@ -35,7 +36,7 @@ std::string Events::wait(Number& next, std::chrono::milliseconds patience) {
   sent_.wait_for(lock, patience, [&] { return next < end(); });
   std::string out;
   for (Number n = std::max(next, first_); n < end(); ++n)
-    out += "data: " + messages_[n - first_] + "\n\n";
+    out += "id: " + std::to_string(n) + "\ndata: " + messages_[n - first_] + "\n\n";
   next = end();
   return out;
 }

@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace isoatlas::detail::tool {
 
-/// Keeps the last messages. Every page reads all that are sent after it has opened. Thread-safe.
+/// Keeps the last messages. Every page reads all that are sent after it has opened, also while its
+/// connection is broken for a moment. Thread-safe.
 class Events {
  public:
   using Number = std::uint64_t;
@@ -20,8 +22,10 @@ class Events {
   /// @param message  one line
   void send(std::string message);
 
-  /// To be called when a page opens. @return the number of the first message that it will get
-  Number open();
+  /// To be called when a page opens.
+  /// @param last  the last message that it has read before its connection broke, if any
+  /// @return the number of the first message that it will get
+  Number open(std::optional<Number> last = std::nullopt);
   /// To be called when it has closed.
   void close();
 

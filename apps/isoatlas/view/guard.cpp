@@ -39,7 +39,8 @@ Guard::Guard(int port) : port_(port), base_("/" + random_token() + "/") {}
 std::string Guard::address() const { return "http://127.0.0.1:" + std::to_string(port_) + base_; }
 
 std::string_view Guard::refusal(const RequestOrigin& from) const {
-  const std::string port = ":" + std::to_string(port_);
+  // Browsers leave the port of HTTP out.
+  const std::string port = port_ == 80 ? "" : ":" + std::to_string(port_);
   if (from.host != "127.0.0.1" + port && from.host != "localhost" + port)
     return "the address has another host";
   if (!from.origin.empty() && from.origin != "http://" + from.host)

@@ -75,6 +75,7 @@ MeshMaker::~MeshMaker() {
 
 void MeshMaker::make(std::int64_t request, ExtractArguments arguments) {
   const std::lock_guard lock(mutex_);
+  if (next_) events_.send(message("cancelled", next_->number));
   next_ = Request{request, std::move(arguments)};
   stops_ = true;
   changed_.notify_all();
@@ -87,7 +88,6 @@ void MeshMaker::cancel(std::int64_t request) {
     events_.send(message("cancelled", request));
   } else if (current_ == request) {
     stops_ = true;
-    was_cancelled_ = true;
   }
 }
 
@@ -105,16 +105,14 @@ void MeshMaker::run() {
       if (ends_) return;
       request = *std::exchange(next_, std::nullopt);
       current_ = request.number;
-      stops_ = was_cancelled_ = false;
+      stops_ = false;
     }
     try {
       make_meshes(request);
     } catch (const Error& error) {
-      const std::lock_guard lock(mutex_);
-      if (error.code() != ErrorCode::cancelled)
-        events_.send(failure(request.number, error_text(error)));
-      else if (was_cancelled_)
-        events_.send(message("cancelled", request.number));
+      events_.send(error.code() == ErrorCode::cancelled
+                       ? message("cancelled", request.number)
+                       : failure(request.number, error_text(error)));
     } catch (const std::bad_alloc&) {
       events_.send(failure(request.number, "out of memory; choose a region of interest"));
     }

@@ -31,7 +31,8 @@ class MeshMaker {
   MeshMaker(const MeshMaker&) = delete;
   MeshMaker& operator=(const MeshMaker&) = delete;
 
-  /// Makes a mesh in place of the one that is being made, which is dropped without a message.
+  /// Makes a mesh in place of the one that is being made, which can be of another page. A message
+  /// reports that it is cancelled.
   /// @param request  number of the page, in all messages about the mesh
   /// @param arguments  their bounds and levels are ignored
   void make(std::int64_t request, ExtractArguments arguments);
@@ -67,7 +68,6 @@ class MeshMaker {
   std::int64_t current_ = 0;  // number of the request that is being made
   bool ends_ = false;
   std::atomic<bool> stops_{false};  // the current mesh is not wanted any more
-  bool was_cancelled_ = false;      // by the page, which waits for a message
   std::thread thread_;
 };
 

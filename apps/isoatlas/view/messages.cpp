@@ -33,14 +33,14 @@ std::string mesh_message(std::int64_t request, std::uint64_t id, std::size_t red
                   {"final", is_final}});
 }
 
-std::string saved_message(std::int64_t request, std::uint64_t id, const std::string& name,
-                          std::uintmax_t bytes, const std::string& summary) {
+std::string saved_message(std::int64_t request, const SavedFile& file) {
   return text_of({{"type", "saved"},
                   {"request", request},
-                  {"id", id},
-                  {"name", name},
-                  {"bytes", bytes},
-                  {"summary", summary}});
+                  {"id", file.id},
+                  {"name", file.name},
+                  {"bytes", file.bytes},
+                  {"satisfied", file.satisfied},
+                  {"summary", file.summary}});
 }
 
 std::string goodbye(std::string_view text) { return text_of({{"type", "bye"}, {"message", text}}); }

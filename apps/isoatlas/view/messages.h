@@ -20,8 +20,15 @@ std::string failure(std::int64_t request, std::string_view text);
 /// @param id  of the mesh, to fetch it with
 std::string mesh_message(std::int64_t request, std::uint64_t id, std::size_t reduction,
                          bool is_final);
-std::string saved_message(std::int64_t request, std::uint64_t id, const std::string& name,
-                          std::uintmax_t bytes, const std::string& summary);
+/// A file that can be fetched.
+struct SavedFile {
+  std::uint64_t id = 0;
+  std::string name;
+  std::uintmax_t bytes = 0;
+  bool satisfied = true;  ///< all bounds
+  std::string summary;    ///< what the command printed
+};
+std::string saved_message(std::int64_t request, const SavedFile& file);
 std::string goodbye(std::string_view text);
 
 /// Sends the progress of a request, at most 20 times a second.

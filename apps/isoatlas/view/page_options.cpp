@@ -72,11 +72,16 @@ bool is_flag(std::string_view name) {
   return name == "coarse" || name == "allow-self-intersections";
 }
 
+/// A path that is not taken for an option.
+std::string as_operand(const std::string& path) {
+  return path.starts_with("-") ? "./" + path : path;
+}
+
 }  // namespace
 
 std::vector<std::string> extract_words(const ViewArguments& opened, const PageOptions& options,
                                        const std::string& output) {
-  std::vector<std::string> words{"extract", opened.volume.path.string()};
+  std::vector<std::string> words{"extract", as_operand(opened.volume.path.string())};
   bool has_region = false;
   for (const auto& [name, value] : options) {
     if (std::ranges::find(kSettable, name) == kSettable.end())
@@ -95,7 +100,7 @@ std::vector<std::string> extract_words(const ViewArguments& opened, const PageOp
     if (has_region && opened.reading[i] == "--roi") continue;
     words.insert(words.end(), {opened.reading[i], opened.reading[i + 1]});
   }
-  words.insert(words.end(), {"-o", output});
+  words.insert(words.end(), {"-o", as_operand(output)});
   return words;
 }
 

@@ -82,11 +82,20 @@ std::string error_line(const std::string& errors) {
   return errors.substr(begin, errors.find('\n', begin) - begin);
 }
 
+/// The text with a name in place of a path.
+std::string with_name(std::string text, const std::string& path, const std::string& name) {
+  for (std::size_t at = 0; (at = text.find(path, at)) != std::string::npos; at += name.size())
+    text.replace(at, path.size(), name);
+  return text;
+}
+
 }  // namespace
 
 Saver::Saver(fs::path folder, Events& events) : folder_(std::move(folder)), events_(events) {}
 
-Saver::~Saver() {
+Saver::~Saver() { end(); }
+
+void Saver::end() {
   stop();
   if (thread_.joinable()) thread_.join();
 }
@@ -117,7 +126,7 @@ void Saver::stop() {
 std::optional<Saver::Saved> Saver::file(std::uint64_t id) const { return files_.get(id); }
 
 void Saver::run(std::int64_t request, std::vector<std::string> words) {
-  const fs::path name = words.back();
+  const fs::path name = fs::path(words.back()).filename();
   const Saved saved{folder_ / std::to_string(count_++) / name, name.string()};
   std::error_code ignored;  // of a file that pages can no longer fetch
   if (count_ > kKept) fs::remove_all(folder_ / std::to_string(count_ - kKept - 1), ignored);
@@ -126,6 +135,9 @@ void Saver::run(std::int64_t request, std::vector<std::string> words) {
     fs::create_directory(saved.path.parent_path());
     words.back() = saved.path.string();
     result = result_message(request, run_command(request, words), saved);
+  } catch (const Error& error) {
+    result = error.code() == ErrorCode::cancelled ? message("cancelled", request)
+                                                  : failure(request, error.what());
   } catch (const std::exception& error) {
     result = failure(request, error.what());
   }
@@ -183,8 +195,11 @@ std::string Saver::result_message(std::int64_t request, const Output& output, co
   std::error_code error;
   const std::uintmax_t bytes = fs::file_size(saved.path, error);
   if (error) return failure(request, "the file has disappeared");
-  const std::uint64_t id = files_.keep(saved);
-  return saved_message(request, id, saved.name, bytes, output.text + output.errors);
+  // Where the browser puts the file is not known; the folder of this process is deleted.
+  const std::string summary =
+      with_name(output.text + output.errors, saved.path.string(), saved.name);
+  return saved_message(request,
+                       {files_.keep(saved), saved.name, bytes, status == kSuccess, summary});
 }
 
 }  // namespace isoatlas::detail::tool

@@ -29,7 +29,7 @@ class Saver {
 
   /// @param folder  for the files, which are deleted with it
   Saver(std::filesystem::path folder, Events& events);
-  /// Stops an extraction that still runs.
+  /// end()
   ~Saver();
   Saver(const Saver&) = delete;
   Saver& operator=(const Saver&) = delete;
@@ -44,6 +44,8 @@ class Saver {
 
   /// Stops any command, without a message. May be called from another thread.
   void stop();
+  /// Stops any command and waits for its end. Nothing can be saved any more.
+  void end();
 
   std::optional<Saved> file(std::uint64_t id) const;
 

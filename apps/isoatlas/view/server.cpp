@@ -26,8 +26,10 @@ using Json = nlohmann::ordered_json;
 using httplib::Request;
 using httplib::Response;
 
-constexpr std::size_t kMostPages = 8;       // open at a time
-constexpr std::size_t kThreads = 16;        // a page needs one for its events
+// A page needs one connection for its events, and browsers open at most six to a server. Other
+// programs of this computer can occupy some without the token, but not so easily all of them.
+constexpr std::size_t kMostPages = 4;       // open at a time
+constexpr std::size_t kThreads = 64;        // connections at a time
 constexpr std::size_t kMostBody = 1 << 20;  // bytes
 constexpr std::size_t kMostOptions = 2000;
 constexpr std::chrono::milliseconds kHeartbeat{500};
@@ -60,6 +62,20 @@ void answer(Response& response, const Json& json, int status = 200) {
 
 void refuse(Response& response, int status, std::string_view why) {
   answer(response, {{"error", why}}, status);
+}
+
+/// Of the statuses that httplib itself answers with.
+std::string_view status_text(int status) {
+  switch (status) {
+    case 400:
+      return "the request: expected one of HTTP 1.1";
+    case 404:
+      return "there is nothing here";
+    case 413:
+      return "the body of the request: expected at most 1 MiB";
+    default:
+      return "the request cannot be answered";
+  }
 }
 
 [[noreturn]] void refuse_body(const std::string& expected) {
@@ -170,12 +186,16 @@ class ViewServer::Running {
       const std::string_view why = guard_.refusal(
           {request.path, request.get_header_value("Host"), request.get_header_value("Origin"),
            request.get_header_value("Sec-Fetch-Site"), request.get_header_value("Sec-Fetch-Dest")});
-      if (why.empty()) return httplib::Server::HandlerResponse::Unhandled;
-      refuse(response, 403, why);
+      if (!why.empty())
+        refuse(response, 403, why);
+      else if (request.has_header("Content-Encoding"))  // the limit is that of what is received
+        refuse(response, 415, "the body of the request: expected it without compression");
+      else
+        return httplib::Server::HandlerResponse::Unhandled;
       return httplib::Server::HandlerResponse::Handled;
     });
     http_.set_error_handler([](const Request&, Response& response) {
-      if (response.body.empty()) refuse(response, response.status, "there is nothing here");
+      if (response.body.empty()) refuse(response, response.status, status_text(response.status));
     });
   }
 
@@ -236,10 +256,14 @@ class ViewServer::Running {
     send_file(response, *saved);
   }
 
-  void send_events(const Request&, Response& response) {
+  void send_events(const Request& request, Response& response) {
+    if (request.method == "HEAD") return;  // not a page
     if (parts_.events.open_pages() >= kMostPages)
       return refuse(response, 503, "too many pages of this volume are open; close one");
-    const auto next = std::make_shared<Events::Number>(parts_.events.open());
+    // The browser sends it when it connects again.
+    const std::string last = request.get_header_value("Last-Event-ID");
+    const auto next = std::make_shared<Events::Number>(
+        last.empty() ? parts_.events.open() : parts_.events.open(whole(last)));
     response.set_chunked_content_provider(
         "text/event-stream",
         [this, next](std::size_t, httplib::DataSink& sink) {

@@ -142,6 +142,12 @@ TEST(ExtractWords, AreTheCommandLine) {
   EXPECT_EQ(parsed.options.components.keep_near, (std::vector<Vec3>{{1, 2, 3}}));
 }
 
+TEST(ExtractWords, TakeNoPathForAnOption) {
+  const Words words = extract_words(opened("-a.nrrd"), {{"iso", "1"}}, "-a.ply");
+  EXPECT_EQ(words, (Words{"extract", "./-a.nrrd", "--iso", "1", "-o", "./-a.ply"}));
+  EXPECT_EQ(parse_extract(words).volume.path, "./-a.nrrd");
+}
+
 // A page names no file, neither as an option nor within the value of one.
 TEST(ExtractWords, RefuseOptionsThatNameFiles) {
   for (const char* name : {"output", "o", "report", "html", "format", "channel", "-o", "", "iso=3",
@@ -212,6 +218,13 @@ TEST(Guard, AcceptsOnlyThePage) {
     EXPECT_FALSE(is_accepted(from)) << from.path << " " << from.host << " " << from.origin;
 }
 
+// Browsers leave the port of HTTP out of Host and Origin.
+TEST(Guard, AcceptsThePageAtThePortOfHttp) {
+  const Guard guard(80);
+  EXPECT_EQ(guard.refusal({guard.base(), "127.0.0.1", "http://127.0.0.1", "", ""}), "");
+  EXPECT_NE(guard.refusal({guard.base(), "evil.example", "", "", ""}), "");
+}
+
 TEST(Events, ReachEachPageFromWhenItOpens) {
   Events events;
   events.send("early");
@@ -220,11 +233,27 @@ TEST(Events, ReachEachPageFromWhenItOpens) {
   events.send("1");
   Events::Number second = events.open();
   events.send("2");
-  EXPECT_EQ(events.wait(first, 0ms), "data: 1\n\ndata: 2\n\n");
-  EXPECT_EQ(events.wait(second, 0ms), "data: 2\n\n");
+  EXPECT_EQ(events.wait(first, 0ms), "id: 1\ndata: 1\n\nid: 2\ndata: 2\n\n");
+  EXPECT_EQ(events.wait(second, 0ms), "id: 2\ndata: 2\n\n");
   EXPECT_EQ(events.wait(second, 0ms), "");
   for (int i = 0; i < 10'000; ++i) events.send("n");
-  EXPECT_EQ(events.wait(first, 0ms).size(), 500 * std::strlen("data: n\n\n")) << "the last ones";
+  const std::string kept = events.wait(first, 0ms);
+  EXPECT_TRUE(kept.starts_with("id: 9503\n")) << "the last 500 of 10,003";
+  EXPECT_TRUE(kept.ends_with("id: 10002\ndata: n\n\n"));
+}
+
+TEST(Events, ReachAPageWhoseConnectionWasBroken) {
+  Events events;
+  for (const char* text : {"a", "b", "c"}) events.send(text);
+  Events::Number next = events.open(0);
+  EXPECT_EQ(events.wait(next, 0ms), "id: 1\ndata: b\n\nid: 2\ndata: c\n\n");
+  for (const Events::Number last : {Events::Number{2}, Events::Number{3}, ~Events::Number{0}}) {
+    next = events.open(last);
+    EXPECT_EQ(events.wait(next, 0ms), "") << last;
+  }
+  for (int i = 0; i < 600; ++i) events.send("n");
+  next = events.open(0);
+  EXPECT_TRUE(events.wait(next, 0ms).starts_with("id: 103\n")) << "the first that is kept";
 }
 
 TEST(Events, EndWithTheLastPage) {
