@@ -558,7 +558,7 @@ describe("saving", () => {
       server.faults.holds = true;
       await page.locator("#save").click();
       await page.waitForFunction(() =>
-        /refine/.test(document.querySelector("#save-status").textContent));
+        document.querySelector("#save-status").textContent === "Saving: refining …");
       assert.ok(await page.locator("#save").isDisabled());
       await page.locator("#cancel-save").click();
       await page.waitForFunction(() => !window.isoatlas.saving);

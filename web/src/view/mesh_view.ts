@@ -19,20 +19,11 @@ import type {Outline} from "../outlines";
 import type {Grid} from "./grid";
 import type {MeshFollower, Shown} from "./mesh_follower";
 import type {Region} from "./region";
+import {progressText} from "./stages";
 
 const LIST_AFTER = 150;  // ms without another mesh
 const MOST_REMEMBERED = 50;
 const ID = "mesh";
-
-/** What stages of the tool do, for the user. */
-const STAGES: Record<string, string> = {
-  read: "reading",
-  surface: "finding the surface",
-  coarsen: "simplifying",
-  cover: "placing vertices",
-  certify: "certifying",
-  check: "checking",
-};
 
 export class MeshView {
   readonly canvas = element("canvas", {
@@ -325,10 +316,8 @@ export class MeshView {
     const {follower, shown} = this;
     if (follower.problem)
       return `${sentence(follower.problem)}${shown ? " The last mesh is still shown." : ""}`;
-    if (follower.isRunning && !(shown && !shown.final && this.isOfRunning)) {
-      const stage = STAGES[follower.stage] ?? follower.stage;
-      return `The mesh is being made${stage ? `: ${stage}` : ""} …`;
-    }
+    if (follower.isRunning && !(shown && !shown.final && this.isOfRunning))
+      return progressText("The mesh is being made", follower.stage);
     if (!shown) return follower.wasCancelled ? "Cancelled. There is no mesh yet." : "";
     const {header} = shown.made;
     if (shown.final) {

@@ -5,6 +5,7 @@ import {copyButton} from "../copying";
 import {element, number} from "../dom";
 import {sentence} from "./mesh_view";
 import {nextRequest, Refused, type Message, type Option, type Server} from "./server";
+import {progressText} from "./stages";
 
 const COMMAND_AFTER = 120;  // ms without another change
 
@@ -132,7 +133,7 @@ export class Saving {
       case "progress":
         if (message.fraction === null) this.bar.removeAttribute("value");
         else this.bar.value = message.fraction;
-        this.setStatus(`Saving: ${message.stage} …`);
+        this.setStatus(progressText("Saving", message.stage));
         break;
       case "saved":
         this.end(message.request, `Saved ${message.name}, ${bytesText(message.bytes)}.`);
