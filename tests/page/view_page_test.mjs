@@ -552,6 +552,49 @@ describe("saving", () => {
     });
   });
 
+  test("not while a field is invalid", {timeout: 2 * SLOW}, async () => {
+    await viewing("ball", async (page, server) => {
+      await upToDate(page);
+      await type(page, "#keep-largest", "3");
+      await page.waitForFunction(() => /--keep-components 3/.test(window.isoatlas.command));
+      await upToDate(page);
+      const posted = server.received.length;
+      for (const [id, wrong, right, words] of [
+        ["keep-largest", "-3", "3", "the choice of components"],
+        ["isovalue", "6,5", "6", "the isovalue"],
+        ["region-y-last", "99", "47", "the region of interest"],
+        ["max-distance", "-1", "", "the bounds of the mesh"],
+      ]) {
+        await page.locator(`#${id}`).fill(wrong);
+        await page.locator(`#${id}`).dispatchEvent("change");
+        // At once: a click on Save, which makes the field lose the focus, must not save.
+        assert.ok(await page.locator("#save").isDisabled(), id);
+        assert.equal(await page.locator("#save-problem").textContent(),
+          `To save, correct ${words}.`);
+        assert.equal(await page.locator("#command-problem").textContent(),
+          `This is not the current command. Correct ${words}.`);
+        assert.ok(await page.locator("#copy-command").isDisabled());
+        assert.equal(await state(page, "command"), null);
+        assert.equal(await option(page, "keep-components"), "3", "the last valid value");
+        await page.locator(`#${id}`).fill(right);
+        await page.locator(`#${id}`).dispatchEvent("change");
+        assert.ok(await page.locator("#save").isEnabled(), id);
+        assert.equal(await page.locator("#save-problem").textContent(), "");
+        await page.waitForFunction(() => window.isoatlas.command ===
+          "isoatlas extract ball.nrrd --iso 6 --keep-components 3 -o ball.ply");
+        assert.ok(await page.locator("#copy-command").isEnabled());
+      }
+      assert.ok(server.received.slice(posted).every(({path}) => path === "command"));
+      // The problem of an axis stays when another one is corrected.
+      await type(page, "#region-y-last", "99");
+      await type(page, "#region-x-first", "5");
+      assert.match(await page.locator("#region-problem").textContent(), /^y: /);
+      assert.ok(await page.locator("#save").isDisabled());
+      await page.locator("#whole-volume").click();
+      assert.ok(await page.locator("#save").isEnabled());
+    });
+  });
+
   test("cancel", {timeout: 2 * SLOW}, async () => {
     await viewing("ball", async (page, server) => {
       await upToDate(page);

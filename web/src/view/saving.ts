@@ -28,8 +28,13 @@ export class Saving {
   private readonly format: HTMLSelectElement;
   private readonly save = button("save", "Save the mesh", () => void this.start(), {
     class: "primary",
+    "aria-describedby": "save-problem",
   });
-  private readonly bar = element("progress", {id: "save-progress", max: "1"});
+  private readonly bar = element("progress", {
+    id: "save-progress",
+    max: "1",
+    "aria-label": "Progress of saving",
+  });
   private readonly stop = button("cancel-save", "Cancel", () => this.cancel());
   private readonly running = element("div", {class: "running"}, this.bar, this.stop);
   private readonly status = element("p", {id: "save-status", role: "status"});
@@ -40,6 +45,7 @@ export class Saving {
   });
   private readonly command = element("code");
   private readonly problem = element("p", {class: "bad problem", id: "command-problem"});
+  private readonly invalid = element("p", {class: "bad problem", id: "save-problem"});
   private readonly copy = copyButton(this.command, "copy-command");
   private request: number | null = null;
   private started: Promise<unknown> = Promise.resolve();
@@ -48,11 +54,12 @@ export class Saving {
   private isCurrent = false;  // whether the command line is that of the options
   private isStopped = false;
 
-  /** @param options of the mesh; null: not all fields can be used */
+  /** @param toCorrect what has invalid fields, for the user; "": all fields can be used */
   constructor(
     private readonly server: Server,
     formats: string[],
-    private readonly options: () => Option[] | null,
+    private readonly options: () => Option[],
+    private readonly toCorrect: () => string,
   ) {
     this.format = element(
       "select",
@@ -64,6 +71,7 @@ export class Saving {
     this.summary.hidden = true;
     this.fields = [
       element("div", {class: "buttons"}, this.format, this.save),
+      this.invalid,
       this.running,
       this.status,
       this.summary,
@@ -78,37 +86,49 @@ export class Saving {
   /** Shows the command line of the options, after a moment without another change. */
   updateCommand(): void {
     clearTimeout(this.pending);
+    ++this.latest;  // an answer that is still to arrive is of other options
     this.isCurrent = false;
-    this.pending = window.setTimeout(() => void this.fetchCommand(), COMMAND_AFTER);
     this.copy.textContent = "Copy";
+    const invalid = this.toCorrect();
+    this.invalid.textContent = invalid && `To save, correct ${invalid}.`;
+    this.setCommandProblem(invalid && `This is not the current command. Correct ${invalid}.`);
+    if (!invalid)
+      this.pending = window.setTimeout(() => void this.fetchCommand(), COMMAND_AFTER);
+    this.show();
+  }
+
+  /** @param text why the command line is not that of the options; "": it is, or is requested */
+  private setCommandProblem(text: string): void {
+    this.problem.textContent = text;
+    this.command.classList.toggle("soft", text !== "");
+    this.copy.disabled = text !== "";
   }
 
   private async fetchCommand(): Promise<void> {
-    const options = this.options();
-    this.save.disabled = options === null || this.isRunning || this.isStopped;
-    if (!options || this.isStopped) return;
-    const number = ++this.latest;
+    if (this.isStopped) return;
+    const number = this.latest;
     try {
       const {command} = await this.server.post<{command: string}>("command", {
-        options,
+        options: this.options(),
         format: this.format.value,
       });
       if (number !== this.latest) return;
       this.command.textContent = command;
       this.isCurrent = true;
-      this.problem.textContent = "";
+      this.setCommandProblem("");
     } catch (reason) {
-      if (number === this.latest) this.problem.textContent = sentence(wordsOf(reason));
+      if (number === this.latest) this.setCommandProblem(sentence(wordsOf(reason)));
     }
   }
 
   private async start(): Promise<void> {
+    if (this.toCorrect() || this.request !== null) return;
     const options = this.options();
-    if (!options || this.request !== null) return;
     const request = nextRequest();
     this.request = request;
     this.summary.hidden = true;
     this.setStatus("Saving …");
+    this.bar.removeAttribute("value");
     this.show();
     this.started = this.server.post("save", {request, options, format: this.format.value});
     try {
@@ -181,9 +201,7 @@ export class Saving {
   private show(): void {
     const isRunning = this.request !== null;
     this.running.hidden = !isRunning;
-    this.bar.removeAttribute("value");
-    this.bar.setAttribute("aria-label", "Progress of saving");
-    this.save.disabled = isRunning || this.isStopped;
+    this.save.disabled = isRunning || this.isStopped || this.toCorrect() !== "";
     this.format.disabled = isRunning || this.isStopped;
   }
 }
