@@ -122,6 +122,52 @@ describe("slices", () => {
       `(40, 30, 0) value ${Number(value.toPrecision(6))} · (40, 30, 0)`);
   });
 
+  test("the value under the pointer follows the slice", {timeout: SLOW}, async () => {
+    const readout = page.locator("#slice-y-readout");
+    const valueOf = (i, j, k) =>
+      Number((20 - Math.hypot(i - 31.5, j - 23.5, k - 19.5)).toPrecision(6));
+    const shows = (i, j, k) =>
+      page.waitForFunction((text) =>
+        document.querySelector("#slice-y-readout").textContent === text,
+      `(${i}, ${j}, ${k}) value ${valueOf(i, j, k)} · (${i}, ${j}, ${k})`);
+    const {x, y} = await placeOfSample(page, 1, [20, 0, 12]);
+    await page.locator("#slice-y").focus();
+    await page.mouse.move(x, y);
+    const [, j] = await state(page, "position");
+    await shows(20, j, 12);
+    server.faults.lateSlices = 300;
+    await page.keyboard.press("PageDown");
+    assert.match(await readout.textContent(), new RegExp(`^\\(20, ${j - 10}, 12\\) \\(`));
+    await shows(20, j - 10, 12);
+    server.faults.lateSlices = 0;
+    await page.keyboard.down("Shift");
+    await page.mouse.wheel(0, -100);
+    await page.keyboard.up("Shift");
+    await shows(20, j - 9, 12);
+    // Zoomed about the middle and panned, another sample is there.
+    const drag = async () => {
+      await page.mouse.move(x - 40, y - 10);
+      await page.mouse.down();
+      await page.mouse.move(x, y, {steps: 3});
+      await page.mouse.up();
+    };
+    for (const key of ["+", "+", "+", "+", "Shift+ArrowRight", "drag"]) {
+      await (key === "drag" ? drag() : page.keyboard.press(key));
+      const text = await readout.textContent();
+      const [i, , k] = text.match(/\d+/g).map(Number);
+      const at = await placeOfSample(page, 1, [i, 0, k]);
+      const next = await placeOfSample(page, 1, [i + 1, 0, k + 1]);
+      assert.ok(Math.abs(at.x - x) <= Math.abs(next.x - at.x) / 2 + 0.5, `${key}: ${text}`);
+      assert.ok(Math.abs(at.y - y) <= Math.abs(next.y - at.y) / 2 + 0.5, `${key}: ${text}`);
+    }
+    await page.keyboard.press("0");
+    await shows(20, j - 9, 12);
+    await page.mouse.move(1, 1);
+    assert.equal(await readout.textContent(), "");
+    await page.keyboard.press("PageUp");
+    assert.equal(await readout.textContent(), "");
+  });
+
   test("wheel, drag, keys and double click", {timeout: SLOW}, async () => {
     const where = () => placeOfSample(page, 2, [10, 10, 0]);
     const whole = await where();

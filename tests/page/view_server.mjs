@@ -230,6 +230,7 @@ function meshBytes(volume, world, options, reduction) {
  *   preview     whether a mesh of a "reduced" volume comes first
  *   holds       whether final meshes and files wait until they are cancelled
  *   refuse      the error of each command and mesh
+ *   lateSlices  ms until the next slices arrive
  *   late        ms until the next requests for a mesh arrive, the last one first
  *   fail        the message with which each mesh fails
  * @returns address, the requests that were received, the number of meshes that were replaced before
@@ -326,6 +327,8 @@ export async function serveVolume(name, faults = {}) {
       return;
     }
     const [kind, first, second] = path.split("/");
+    if (kind === "slices" && faults.lateSlices)
+      await new Promise((done) => setTimeout(done, faults.lateSlices));
     if (kind === "slices") return bytes(slice(volume, Number(first), Number(second)));
     if (kind === "meshes" && meshes.has(Number(first))) return bytes(meshes.get(Number(first)));
     if (kind === "files" && files.has(Number(first))) {
