@@ -680,6 +680,24 @@ describe("the server ends", () => {
     });
   });
 
+  test("or refuses another page", {timeout: SLOW}, async () => {
+    await viewing("ball", async (first, server) => {
+      await upToDate(first);
+      server.faults.refusePages = "too many pages are open; close one";
+      const page = await first.context().newPage();
+      await page.goto(server.address);
+      await page.waitForSelector("html[data-ended]");
+      assert.match(await page.locator("#ended").textContent(), /^isoatlas view does not serve/);
+      assert.match(await page.locator("#ended").textContent(),
+        /this page: too many pages are open; close one\. Then reload this page\. /);
+      assert.ok(await page.locator("#save").isDisabled());
+      server.faults.refusePages = "";
+      await page.reload();
+      await upToDate(page);
+      assert.ok(await page.locator("#ended").isHidden());
+    });
+  });
+
   test("without a word", {timeout: 2 * SLOW}, async () => {
     const server = await serveVolume("ball");
     const {page, close} = await openView(server.address);

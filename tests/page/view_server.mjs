@@ -232,6 +232,7 @@ function meshBytes(volume, world, options, reduction) {
  *   refuse      the error of each command and mesh
  *   lateSlices  ms until the next slices arrive
  *   late        ms until the next requests for a mesh arrive, the last one first
+ *   refusePages the error of each request for messages
  *   fail        the message with which each mesh fails
  * @returns address, the requests that were received, the number of meshes that were replaced before
  *          they were made, and what ends it
@@ -319,6 +320,8 @@ export async function serveVolume(name, faults = {}) {
     }
     if (path === "") return reply(200, "text/html; charset=utf-8", html());
     if (path === "volume") return reply(200, "application/json", JSON.stringify(json));
+    if (path === "events" && faults.refusePages)
+      return reply(503, "application/json", JSON.stringify({error: faults.refusePages}));
     if (path === "events") {
       response.writeHead(200, {"Content-Type": "text/event-stream"});
       response.write(":\n\n");

@@ -170,10 +170,10 @@ export class Saving {
     }
   }
 
-  /** For ever, because the server has ended. */
-  stopAll(): void {
+  /** For ever. @param why in sentences, such as that the server has ended */
+  stopAll(why: string): void {
     this.isStopped = true;
-    if (this.request !== null) this.end(this.request, "isoatlas view has ended.", true);
+    if (this.request !== null) this.end(this.request, why, true);
     this.show();
   }
 

@@ -415,14 +415,17 @@ export class ViewPage {
     this.saving.heard(message);
   }
 
-  /** The server has ended: slices that are here, and the mesh, can still be viewed. */
-  end(reason: string): void {
+  /**
+   * No messages arrive any more: slices that are here, and the mesh, can still be viewed.
+   * @param why in sentences
+   */
+  end(why: string): void {
     this.hasEnded = true;
     this.follower.stop();
-    this.saving.stopAll();
+    this.saving.stopAll(why);
     this.ended.textContent =
-      `isoatlas view has ended. ${reason} The last mesh and the slices that were shown stay ` +
-      "here; nothing new can be made or saved.";
+      `${why} The last mesh and the slices that were shown stay here; nothing new can be made or ` +
+      "saved.";
     this.ended.hidden = false;
     const needy = document.querySelectorAll<HTMLInputElement>(
       "[data-needs-server] :is(input, select, button)",
