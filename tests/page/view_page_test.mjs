@@ -525,6 +525,37 @@ describe("components", () => {
       assert.deepEqual(await state(page, "hidden"), [1]);
     });
   });
+
+  test("hidden components stay hidden after a preview without them", {timeout: SLOW}, async () => {
+    await viewing("two", async (page, server) => {
+      await upToDate(page);
+      Object.assign(server.faults, {preview: true, coarse: true, holds: true});
+      const preview = async () => {
+        await page.keyboard.press("ArrowRight");
+        await page.waitForFunction(() => window.isoatlas.mesh.reduction === 2);
+      };
+      const finish = async () => {
+        server.faults.holds = false;
+        await page.keyboard.press("ArrowRight");
+        await upToDate(page);
+        await page.waitForFunction(() => window.isoatlas.mesh.final);
+        server.faults.holds = true;
+      };
+      await page.locator("#shown-2").uncheck();
+      await page.locator("#handle").focus();
+      await preview();
+      assert.deepEqual(await state(page, "hidden"), []);
+      await finish();
+      assert.deepEqual(await state(page, "hidden"), [1]);
+      // A choice in the preview replaces it.
+      await preview();
+      await page.locator("#view").focus();
+      await page.keyboard.press("a");
+      await page.locator("#handle").focus();
+      await finish();
+      assert.deepEqual(await state(page, "hidden"), []);
+    });
+  });
 });
 
 test("region of interest: numbers, edges, reset", {timeout: 2 * SLOW}, async () => {

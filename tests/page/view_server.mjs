@@ -228,6 +228,7 @@ function meshBytes(volume, world, options, reduction) {
  * @param faults what goes wrong or is slow; may be changed while it serves:
  *   delay       ms until a mesh is made
  *   preview     whether a mesh of a "reduced" volume comes first
+ *   coarse      whether previews have only the largest component
  *   holds       whether final meshes and files wait until they are cancelled
  *   refuse      the error of each command and mesh
  *   lateSlices  ms until the next slices arrive
@@ -252,7 +253,9 @@ export async function serveVolume(name, faults = {}) {
     for (const page of pages) page.write(`data: ${JSON.stringify(message)}\n\n`);
   };
   const sendMesh = (request, options, reduction, final) => {
-    const bytes = meshBytes(volume, json.index_to_world, options, reduction);
+    const made =
+      reduction > 1 && faults.coarse ? [...options, ["keep-components", "1"]] : options;
+    const bytes = meshBytes(volume, json.index_to_world, made, reduction);
     if (!bytes) {
       send({type: "failed", request, message: "no sample is inside"});
       return;

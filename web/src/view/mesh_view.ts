@@ -25,6 +25,13 @@ const LIST_AFTER = 150;  // ms without another mesh
 const MOST_REMEMBERED = 50;
 const ID = "mesh";
 
+/** Components by one vertex of each. */
+interface Remembered {
+  points: Triple[];
+  /** Whether these are the hidden components, or the shown ones. */
+  hides: boolean;
+}
+
 export class MeshView {
   readonly canvas = element("canvas", {
     id: "view",
@@ -36,7 +43,7 @@ export class MeshView {
   });
   readonly field: HTMLElement;
   readonly sides = element("div", {class: "sides"});
-  readonly components = new ComponentChoice(() => this.componentsChanged());
+  readonly components = new ComponentChoice((hidden) => this.componentsChanged(hidden));
   readonly scene: Scene | null;
   private readonly overlay = new Overlay();
   private readonly inspector: Inspector | null = null;
@@ -51,6 +58,10 @@ export class MeshView {
   });
   private shown: Shown | null = null;
   private shape: LevelShape | null = null;
+  /** Which components the user hides, in meshes of any isovalue. */
+  private remembered: Remembered | null = null;
+  /** The points of `remembered` that the shown mesh has no component at. */
+  private unmatched: Triple[] = [];
   private listing = 0;
   private style: Style = "smooth";
   private colouring: Colouring = "plain";
@@ -211,7 +222,6 @@ export class MeshView {
 
   /** Shows a mesh. The camera moves only for the first one. */
   show(shown: Shown): void {
-    const hidden = this.rememberHidden();
     const isFirst = !this.shown;
     this.shown = shown;
     this.shape = new LevelShape(shown.made.mesh.levels[0]);
@@ -219,7 +229,12 @@ export class MeshView {
     this.components.selected = null;
     this.inspector?.reset();
     this.scene?.show(shown.made.mesh, [this.shape], !isFirst);
-    for (const component of this.numbersOf(hidden)) this.components.hidden.add(component);
+    for (const component of this.hiddenNumbers()) this.components.hidden.add(component);
+    // A preview can lack components that the mesh of the whole volume has.
+    if (shown.final) {
+      this.unmatched = [];
+      this.remembered = this.rememberHidden();
+    }
     this.scene?.showComponents(this.components.isShown);
     this.scene?.update(0, this.style, this.colouring, this.lengthUnit);
     this.updateOutlines();
@@ -243,7 +258,13 @@ export class MeshView {
     this.listed.setAttribute("aria-busy", "false");
   }
 
-  private componentsChanged(): void {
+  private componentsChanged(hidden: boolean): void {
+    if (hidden) {
+      const before = this.remembered;
+      this.remembered = this.rememberHidden();
+      if (before?.hides === this.remembered?.hides)
+        this.remembered?.points.push(...this.unmatched);
+    }
     this.scene?.showComponents(this.components.isShown);
     this.list.refresh();
     this.inspector?.refresh();
@@ -251,7 +272,7 @@ export class MeshView {
   }
 
   /** Vertices of the hidden components, or of the shown ones if these are fewer. */
-  private rememberHidden(): {points: Triple[]; hides: boolean} | null {
+  private rememberHidden(): Remembered | null {
     const {shape, components, mesh} = this;
     if (!shape || !mesh || components.hidden.size === 0) return null;
     const all = shape.components().list.length;
@@ -269,8 +290,9 @@ export class MeshView {
   }
 
   /** The components to hide in the shown mesh. */
-  private numbersOf(remembered: {points: Triple[]; hides: boolean} | null): number[] {
-    const {shape, mesh} = this;
+  private hiddenNumbers(): number[] {
+    const {shape, mesh, remembered} = this;
+    this.unmatched = [];
     if (!remembered || !shape || !mesh) return [];
     const {of, list} = shape.components();
     const {positions, triangles} = shape.level;
@@ -288,6 +310,7 @@ export class MeshView {
         if (squared < least) [least, nearest] = [squared, v];
       }
       if (nearest >= 0) found.add(of[nearest]);
+      else this.unmatched.push(point);
     }
     if (found.size === 0) return [];
     const isHidden = (component: number): boolean => found.has(component) === remembered.hides;
