@@ -629,6 +629,31 @@ describe("saving", () => {
     });
   });
 
+  test("violated bounds are a warning", {timeout: 2 * SLOW}, async () => {
+    for (const width of [1440, 360]) {
+      await viewing("ball", async (page, server) => {
+        await upToDate(page);
+        const status = page.locator("#save-status");
+        const isBad = () => status.evaluate((line) => line.classList.contains("bad"));
+        await page.locator("#save").click();
+        await page.waitForFunction(() => !window.isoatlas.saving);
+        assert.equal(await status.textContent(), "Saved ball.ply, 1234 bytes.");
+        assert.equal(await isBad(), false);
+        server.faults.violated = true;
+        await page.locator("#save").click();
+        await page.waitForFunction(() => !window.isoatlas.saving);
+        assert.equal(await status.textContent(),
+          "Saved ball.ply, 1234 bytes, but not all bounds are satisfied: see below.");
+        assert.equal(await isBad(), true);
+        const summary = page.locator("#save-summary");
+        assert.match(await summary.textContent(),
+          /command line\n {2}level 1 .*; violated: max-distance\n$/);
+        assert.ok(await summary.evaluate((box) =>
+          box.scrollWidth <= box.clientWidth && box.scrollHeight <= box.clientHeight), "not cut");
+      }, {width, height: width < 500 ? 740 : 900});
+    }
+  });
+
   test("not while a field is invalid", {timeout: 2 * SLOW}, async () => {
     await viewing("ball", async (page, server) => {
       await upToDate(page);

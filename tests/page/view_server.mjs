@@ -233,6 +233,7 @@ function meshBytes(volume, world, options, reduction) {
  *   refuse      the error of each command and mesh
  *   lateSlices  ms until the next slices arrive
  *   late        ms until the next requests for a mesh arrive, the last one first
+ *   violated    whether files violate a bound
  *   refusePages the error of each request for messages
  *   fail        the message with which each mesh fails
  * @returns address, the requests that were received, the number of meshes that were replaced before
@@ -289,8 +290,10 @@ export async function serveVolume(name, faults = {}) {
     send({type: "progress", request, stage: "refine", fraction: 0.5});
     if (faults.holds) return;
     files.set(++lastId, Buffer.from(commandOf(body)));
+    const violated = faults.violated ? "; violated: max-distance" : "";
     send({type: "saved", request, id: lastId, name: `${name}.${format}`, bytes: 1234,
-      summary: "  surface       as on the command line\n"});
+      satisfied: !faults.violated, summary: `  surface       as on the command line\n` +
+        `  level 1       8,627 vertices, 17,146 triangles, max-distance 0.663362${violated}\n`});
   };
   const posts = {
     mesh: (body) => (setImmediate(makeMesh, body), {}),

@@ -4,7 +4,14 @@ import {button} from "../controls";
 import {copyButton} from "../copying";
 import {element, number} from "../dom";
 import {sentence} from "./mesh_view";
-import {nextRequest, Refused, type Message, type Option, type Server} from "./server";
+import {
+  nextRequest,
+  Refused,
+  type Message,
+  type Option,
+  type SavedMessage,
+  type Server,
+} from "./server";
 import {progressText} from "./stages";
 
 const COMMAND_AFTER = 120;  // ms without another change
@@ -156,10 +163,7 @@ export class Saving {
         this.setStatus(progressText("Saving", message.stage));
         break;
       case "saved":
-        this.end(message.request, `Saved ${message.name}, ${bytesText(message.bytes)}.`);
-        this.summary.textContent = message.summary;
-        this.summary.hidden = message.summary === "";
-        download(`files/${message.id}`, message.name);
+        this.saved(message);
         break;
       case "failed":
         this.end(message.request, sentence(message.message), true);
@@ -168,6 +172,17 @@ export class Saving {
         this.end(message.request, "Cancelled. Nothing was saved.");
         break;
     }
+  }
+
+  private saved({request, id, name, bytes, satisfied, summary}: SavedMessage): void {
+    const text = `Saved ${name}, ${bytesText(bytes)}`;
+    if (satisfied) this.end(request, `${text}.`);
+    else this.end(request, `${text}, but not all bounds are satisfied: see below.`, true);
+    this.summary.replaceChildren(
+      ...summary.split(/(?<=\n)/).map((line) => element("span", {class: "line"}, line)),
+    );
+    this.summary.hidden = summary === "";
+    download(`files/${id}`, name);
   }
 
   /** For ever. @param why in sentences, such as that the server has ended */

@@ -69,10 +69,22 @@ export interface MadeMesh {
   mesh: Mesh;
 }
 
+export interface SavedMessage {
+  type: "saved";
+  request: number;
+  id: number;
+  name: string;
+  bytes: number;
+  /** Whether the mesh satisfies all bounds. */
+  satisfied: boolean;
+  /** Lines about the mesh, which state bounds that are violated. */
+  summary: string;
+}
+
 export type Message =
   | {type: "progress"; request: number; stage: string; fraction: number | null}
   | {type: "mesh"; request: number; id: number; reduction: number; final: boolean}
-  | {type: "saved"; request: number; id: number; name: string; bytes: number; summary: string}
+  | SavedMessage
   | {type: "failed"; request: number; message: string}
   | {type: "cancelled"; request: number}
   | {type: "bye"; message: string};
