@@ -515,6 +515,42 @@ describe("components", () => {
     });
   });
 
+  test("the keyboard focus stays when a button disappears", {timeout: 2 * SLOW}, async () => {
+    await viewing("three", async (page) => {
+      await upToDate(page);
+      const focused = () => page.evaluate(() => {
+        const {id, textContent, ariaLabel} = document.activeElement;
+        return id || ariaLabel || textContent;
+      });
+      const press = async (selector, key = "Enter") => {
+        await page.locator(selector).first().focus();
+        await page.keyboard.press(key);
+        await upToDate(page);
+      };
+      await press("#shown-1", "Space");
+      assert.equal(await focused(), "shown-1");
+      await press("#shown-2", "Space");
+      await press("#keep-shown");
+      assert.equal(await focused(), "keep-largest");
+      // Two components can be used again; the next one has the focus, then the field.
+      assert.equal(await page.locator(".returnable button").count(), 2);
+      await press(".returnable button");
+      assert.match(await focused(), /^Use again the component of/);
+      assert.equal(await page.locator(".returnable button").count(), 1);
+      await page.keyboard.press("Enter");
+      await upToDate(page);
+      assert.equal(await page.locator(".returnable button").count(), 0);
+      assert.equal(await focused(), "keep-largest");
+      await press("#take-all");
+      assert.equal(await focused(), "keep-largest");
+      // Rows of the list stay focused when the mesh changes.
+      await page.locator("#only-2").focus();
+      await page.evaluate(() => document.querySelector("#inside-below").click());
+      await upToDate(page);
+      assert.equal(await focused(), "only-2");
+    });
+  });
+
   test("hidden components stay hidden when the isovalue moves", {timeout: SLOW}, async () => {
     await viewing("two", async (page) => {
       await upToDate(page);
@@ -582,7 +618,8 @@ test("region of interest: numbers, edges, reset", {timeout: 2 * SLOW}, async () 
     await upToDate(page);
     assert.equal(lastMesh(server).roi, "10:30,0:40,:");
     assert.equal(await page.locator("#region-x-last").inputValue(), "30");
-    await page.locator("#whole-volume").click();
+    await page.locator("#whole-volume").press("Enter");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "edit-region");
     await upToDate(page);
     assert.equal(lastMesh(server).roi, undefined);
   });
@@ -701,12 +738,15 @@ describe("saving", () => {
     await viewing("ball", async (page, server) => {
       await upToDate(page);
       server.faults.holds = true;
-      await page.locator("#save").click();
+      const focused = () => page.evaluate(() => document.activeElement.id);
+      await page.locator("#save").press("Enter");
+      assert.equal(await focused(), "cancel-save");
       await page.waitForFunction(() =>
         document.querySelector("#save-status").textContent === "Saving: refining …");
       assert.ok(await page.locator("#save").isDisabled());
-      await page.locator("#cancel-save").click();
+      await page.keyboard.press("Enter");
       await page.waitForFunction(() => !window.isoatlas.saving);
+      assert.equal(await focused(), "save");
       assert.match(await page.locator("#save-status").textContent(), /Nothing was saved/);
       assert.ok(await page.locator("#save").isEnabled());
     });

@@ -33,6 +33,12 @@ export const volumes = {
     return {size: [60, 40, 40], isovalue: 2,
       value: (i, j, k) => Math.max(large(i, j, k), small(i, j, k))};
   },
+  /** Balls of radius 10 - v, 8 - v and 6 - v. */
+  three: () => {
+    const balls = [ball(14, 16, 16, 10), ball(38, 16, 16, 8), ball(56, 16, 16, 6)];
+    return {size: [66, 32, 32], isovalue: 2,
+      value: (i, j, k) => Math.max(...balls.map((value) => value(i, j, k)))};
+  },
   /** A ball with NaN where i < 12. */
   nan: () => {
     const value = ball(16, 16, 16, 12);

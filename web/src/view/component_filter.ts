@@ -98,7 +98,17 @@ export class ComponentFilter {
 
   /** Lists what the mesh does not contain. */
   show(header: MeshHeader): void {
+    const focused = this.notes.querySelector(":focus");
+    const isByKey = focused?.matches(":focus-visible");
+    const buttons = (): Element[] =>
+      [...this.notes.querySelectorAll(focused?.id === "take-all" ? "#take-all" : "li button")];
+    const at = focused ? buttons().indexOf(focused) : -1;
     this.notes.replaceChildren(...this.leftOut(header));
+    if (!focused) return;
+    // The focus stays in the list: at the next button, which has the place of one that is gone.
+    const next = buttons()[at] ?? buttons().at(-1);
+    if (next) (next as HTMLElement).focus({preventScroll: true});
+    else if (isByKey) this.largest.input.focus({preventScroll: true});
   }
 
   private readFields(): void {
@@ -144,6 +154,8 @@ export class ComponentFilter {
     } else {
       this.drop = [...this.drop, ...hidden.map((i) => pointOf(selection, i))];
     }
+    // Before this button is disabled. A touch should not open the keyboard of the screen.
+    if (this.onlyShown.matches(":focus-visible")) this.largest.input.focus({preventScroll: true});
     this.changed(true);
   }
 

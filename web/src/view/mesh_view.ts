@@ -252,9 +252,15 @@ export class MeshView {
 
   private updateList(): void {
     if (!this.shape) return;
+    const focused = this.listed.querySelector<HTMLElement>(":focus");
     this.listed.replaceChildren(
       this.list.open(this.shape, this.lengthUnit, this.scene?.facing ?? 1, this.host.notes()),
     );
+    // Its part of the list is new, or was moved to the new list.
+    if (focused) {
+      const same = focused.isConnected ? focused : document.getElementById(focused.id);
+      same?.focus({preventScroll: true});
+    }
     this.listed.setAttribute("aria-busy", "false");
   }
 

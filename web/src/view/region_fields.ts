@@ -17,6 +17,8 @@ export class RegionFields {
     {"aria-pressed": "false", title: "Show edges in the slices that can be dragged"},
   );
   private readonly whole = button("whole-volume", "Whole volume", () => {
+    // Before this button is disabled.
+    if (document.activeElement === this.whole) this.edit.focus();
     this.region.reset();
     this.show();
     this.changed(true);

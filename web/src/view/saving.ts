@@ -215,9 +215,15 @@ export class Saving {
 
   private show(): void {
     const isRunning = this.request !== null;
+    const focused = document.activeElement;
     this.running.hidden = !isRunning;
     this.save.disabled = isRunning || this.isStopped || this.toCorrect() !== "";
     this.format.disabled = isRunning || this.isStopped;
+    // A button that disappears or is disabled passes the focus on.
+    if (focused === this.save && isRunning) this.stop.focus();
+    if (focused === this.stop && !isRunning)
+      [this.save, this.format, this.commandLine[0]].find((part) => !part.matches(":disabled"))!
+        .focus();
   }
 }
 
