@@ -421,6 +421,32 @@ describe("the mesh follows", () => {
     }, {faults: {preview: true, holds: true}});
   });
 
+  test("another page replaces the mesh; the same isovalue again", {timeout: SLOW}, async () => {
+    await viewing("ball", async (page, server) => {
+      await upToDate(page);
+      const typed = () => type(page, "#isovalue", 5);
+      const suggested = () => page.locator("#suggested-1").click();
+      const moved = () => page.locator("#handle").press("ArrowRight");
+      const entered = () => page.locator("#isovalue").press("Enter");
+      for (const [first, again] of [[typed, entered], [suggested, suggested], [typed, moved]]) {
+        const posted = meshes(server).length;
+        server.faults.holds = true;
+        await first();
+        await page.waitForFunction(() => window.isoatlas.running);
+        while (meshes(server).length === posted) await page.waitForTimeout(20);
+        server.send({type: "cancelled", request: meshes(server).at(-1).request});
+        await page.waitForFunction(() => !window.isoatlas.running);
+        assert.equal(await page.locator("#mesh-line").textContent(),
+          "Cancelled. The previous mesh is still shown.");
+        server.faults.holds = false;
+        await again();
+        await upToDate(page);
+        assert.equal(lastMesh(server).iso, `${await state(page, "isovalue")}`);
+        assert.equal((await state(page, "mesh")).request, meshes(server).at(-1).request);
+      }
+    });
+  });
+
   test("failures are shown, and the last mesh stays", {timeout: 2 * SLOW}, async () => {
     await viewing("ball", async (page, server, trouble) => {
       await upToDate(page);
@@ -731,6 +757,25 @@ describe("saving", () => {
       assert.ok(await page.locator("#save").isDisabled());
       await page.locator("#whole-volume").click();
       assert.ok(await page.locator("#save").isEnabled());
+    });
+  });
+
+  test("messages of a broken connection arrive later", {timeout: SLOW}, async () => {
+    await viewing("ball", async (page, server, trouble) => {
+      await upToDate(page);
+      server.faults.holds = true;
+      await page.locator("#save").click();
+      await page.waitForFunction(() =>
+        /refining/.test(document.querySelector("#save-status").textContent));
+      server.breakStreams();
+      const {request} = server.received.find(({path}) => path === "save");
+      server.send({type: "failed", request, message: "no space is left"});
+      await page.waitForFunction(() => !window.isoatlas.saving);
+      assert.equal(await page.locator("#save-status").textContent(), "No space is left.");
+      assert.ok(await page.locator("#ended").isHidden());
+      // The browser reports the connection in its console.
+      assert.ok(trouble.every((text) => /ERR_/.test(text)), trouble.join());
+      trouble.length = 0;
     });
   });
 

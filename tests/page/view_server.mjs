@@ -256,8 +256,16 @@ export async function serveVolume(name, faults = {}) {
   const counts = {replaced: 0};
   let lastId = 0;
   let current = null;
+  const messages = [];
+  const write = (page, id) => page.write(`id: ${id}\ndata: ${messages[id]}\n\n`);
   const send = (message) => {
-    for (const page of pages) page.write(`data: ${JSON.stringify(message)}\n\n`);
+    messages.push(JSON.stringify(message));
+    for (const page of pages) write(page, messages.length - 1);
+  };
+  /** Breaks the connections of pages, which connect again after a moment. */
+  const breakStreams = () => {
+    for (const page of pages) page.destroy();
+    pages.clear();
   };
   const sendMesh = (request, options, reduction, final) => {
     const made =
@@ -336,7 +344,9 @@ export async function serveVolume(name, faults = {}) {
       return reply(503, "application/json", JSON.stringify({error: faults.refusePages}));
     if (path === "events") {
       response.writeHead(200, {"Content-Type": "text/event-stream"});
-      response.write(":\n\n");
+      response.write("retry: 300\n\n");
+      const last = request.headers["last-event-id"];
+      for (let id = Number(last) + 1; id < messages.length; ++id) write(response, id);
       pages.add(response);
       request.on("close", () => pages.delete(response));
       return;
@@ -364,6 +374,7 @@ export async function serveVolume(name, faults = {}) {
     counts,
     faults,
     send,
+    breakStreams,
     stop,
   };
 }

@@ -146,6 +146,10 @@ export class IsovalueControl {
   private listen(): void {
     this.field.addEventListener("input", () => this.typed("typed"));
     this.field.addEventListener("change", () => this.typed("settled"));
+    // Also if the text has not changed: the mesh may have been cancelled.
+    this.field.addEventListener("keydown", ({key}) => {
+      if (key === "Enter") this.typed("settled");
+    });
     let isMoving = false;  // by a key that is pressed
     this.handle.addEventListener("keydown", (event) => {
       const to = this.keyValue(event);
