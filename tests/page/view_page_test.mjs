@@ -525,6 +525,32 @@ describe("components", () => {
     });
   });
 
+  test("a double click uses one component again", {timeout: 2 * SLOW}, async () => {
+    await viewing("five", async (page, server) => {
+      await upToDate(page);
+      const points = (name) => server.received.findLast(({path}) => path === "mesh")
+        .options.filter(([n]) => n === name).length;
+      await page.locator("#shown-1").uncheck();
+      await page.locator("#shown-2").uncheck();
+      await page.locator("#keep-shown").click();
+      await upToDate(page);
+      assert.equal(points("drop-near"), 2);
+      server.faults.delay = 300;
+      await page.locator(".returnable button").first().dblclick();
+      await upToDate(page);
+      assert.equal(points("drop-near"), 1);
+      await page.locator("#take-all").click();
+      await upToDate(page);
+      await page.locator("#only-5").click();
+      await page.locator("#keep-shown").click();
+      await upToDate(page);
+      assert.equal(points("keep-near"), 1);
+      await page.locator(".returnable button").first().dblclick();
+      await upToDate(page);
+      assert.equal(points("keep-near"), 2);
+    });
+  });
+
   test("fields: the N largest, and no small ones", {timeout: 2 * SLOW}, async () => {
     await viewing("two", async (page, server) => {
       await upToDate(page);

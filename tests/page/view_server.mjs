@@ -21,6 +21,10 @@ const POLICY =
   "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'";
 
 const ball = (x, y, z, r) => (i, j, k) => r - Math.hypot(i - x, j - y, k - z);
+const balls = (...all) => {
+  const values = all.map((one) => ball(...one));
+  return (i, j, k) => Math.max(...values.map((value) => value(i, j, k)));
+};
 const identity = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]];
 
 /** Volumes whose isosurfaces are known. */
@@ -28,17 +32,14 @@ export const volumes = {
   /** The isosurface at v is a ball of radius 20 - v around (31.5, 23.5, 15.5). */
   ball: () => ({size: [64, 48, 40], value: ball(31.5, 23.5, 19.5, 20), isovalue: 6}),
   /** Two balls of radius 10 - v and 7 - v. */
-  two: () => {
-    const [large, small] = [ball(16, 20, 20, 10), ball(44, 20, 20, 7)];
-    return {size: [60, 40, 40], isovalue: 2,
-      value: (i, j, k) => Math.max(large(i, j, k), small(i, j, k))};
-  },
+  two: () => ({size: [60, 40, 40], isovalue: 2,
+    value: balls([16, 20, 20, 10], [44, 20, 20, 7])}),
   /** Balls of radius 10 - v, 8 - v and 6 - v. */
-  three: () => {
-    const balls = [ball(14, 16, 16, 10), ball(38, 16, 16, 8), ball(56, 16, 16, 6)];
-    return {size: [66, 32, 32], isovalue: 2,
-      value: (i, j, k) => Math.max(...balls.map((value) => value(i, j, k)))};
-  },
+  three: () => ({size: [66, 32, 32], isovalue: 2,
+    value: balls([14, 16, 16, 10], [38, 16, 16, 8], [56, 16, 16, 6])}),
+  /** Balls of radius 10 - v, 9 - v, 8 - v, 7 - v and 6 - v. */
+  five: () => ({size: [70, 50, 32], isovalue: 2, value: balls([14, 14, 16, 10], [38, 14, 16, 9],
+    [58, 14, 16, 8], [14, 38, 16, 7], [38, 38, 16, 6])}),
   /** A ball with NaN where i < 12. */
   nan: () => {
     const value = ball(16, 16, 16, 12);

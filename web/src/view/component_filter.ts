@@ -180,12 +180,7 @@ export class ComponentFilter {
         ),
       );
     }
-    if (this.drop.length > 0)
-      out.push(
-        this.list(this.drop, (i) => {
-          this.drop.splice(i, 1);
-        }),
-      );
+    if (this.drop.length > 0) out.push(this.droppedPoints());
     else if (this.keep.length > 0 && listed.length > 0) out.push(this.returnable(listed));
     if (this.options().length > 0) {
       const all = button("take-all", "Use all components again", () => {
@@ -197,11 +192,11 @@ export class ComponentFilter {
     return out;
   }
 
-  /** Dropped components, each with a button to use it again. */
-  private list(points: Point[], back: (index: number) => void): HTMLElement {
-    const rows = points.slice(0, 50).map(({text}, i) =>
-      this.row(text, () => {
-        back(i);
+  /** Dropped components, each with a button to use it again, which may be pressed twice. */
+  private droppedPoints(): HTMLElement {
+    const rows = this.drop.slice(0, 50).map((point) =>
+      this.row(point.text, () => {
+        this.drop = this.drop.filter((other) => other !== point);
         this.changed(true);
       }),
     );
@@ -212,7 +207,7 @@ export class ComponentFilter {
   private returnable(listed: MeshHeader["dropped_components"]): HTMLElement {
     const rows = listed.slice(0, LISTED).map(({size, position}) =>
       this.row(`${this.sizeText(size)} at ${place(position)}`, () => {
-        this.keep.push({at: position, text: ""});
+        if (!this.keep.some(({at}) => at === position)) this.keep.push({at: position, text: ""});
         this.changed(true);
       }),
     );
