@@ -18,6 +18,7 @@ import {contextOf, Scene, toFile, type Style} from "../scene";
 import type {Outline} from "../outlines";
 import type {Grid} from "./grid";
 import type {MeshFollower, Shown} from "./mesh_follower";
+import {longestEdge, nearestTriangle} from "./nearest_triangle";
 import type {Region} from "./region";
 import {progressText} from "./stages";
 
@@ -300,22 +301,15 @@ export class MeshView {
     const {shape, mesh, remembered} = this;
     this.unmatched = [];
     if (!remembered || !shape || !mesh) return [];
-    const {of, list} = shape.components();
-    const {positions, triangles} = shape.level;
-    const near = 4 * Math.max(...this.grid.spacing);
+    const {list} = shape.components();
+    const edge = longestEdge(shape.level);
+    // Large triangles are farther from the isosurface.
+    const near = Math.max(4 * Math.max(...this.grid.spacing), edge / 4);
     const found = new Set<number>();
     for (const point of remembered.points) {
-      const [x, y, z] = point.map((v, axis) => v - mesh.centre[axis]);
-      let least = near * near;
-      let nearest = -1;
-      for (const v of triangles) {
-        const squared =
-          (positions[3 * v] - x) ** 2 +
-          (positions[3 * v + 1] - y) ** 2 +
-          (positions[3 * v + 2] - z) ** 2;
-        if (squared < least) [least, nearest] = [squared, v];
-      }
-      if (nearest >= 0) found.add(of[nearest]);
+      const at = point.map((v, axis) => v - mesh.centre[axis]) as Triple;
+      const triangle = nearestTriangle(shape.level, edge, at, near);
+      if (triangle !== null) found.add(shape.componentOf(triangle));
       else this.unmatched.push(point);
     }
     if (found.size === 0) return [];
