@@ -11,6 +11,7 @@ const {parseIsovalue, snapped, stepOf, ends, shareBelow, ticks} =
 const {Region} = await imported("view/region.ts");
 const {Grid} = await imported("view/grid.ts");
 const {defaultRange, paint, palette} = await imported("view/grey.ts");
+const {longestEdge, nearestTriangle} = await imported("view/nearest_triangle.ts");
 
 const everything = {left: 0, right: Infinity, top: 0, bottom: Infinity};
 const rule = (isovalue, more = {}) => ({
@@ -245,4 +246,16 @@ describe("slices on the screen", () => {
     const of = grid([[0, 2, 0, 5], [3, 0, 0, 6], [0, 0, 4, 7]]);
     assert.deepEqual(of.world([1, 2, 3]), [9, 9, 19]);
   });
+});
+
+test("the nearest triangle is not that of the nearest vertex", () => {
+  const mesh = {
+    positions: Float32Array.of(0, 0, 0, 30, 0, 0, 0, 40, 0, 10, 10, 3, 11, 10, 3, 10, 11, 3),
+    triangles: Uint32Array.of(0, 1, 2, 3, 4, 5),
+  };
+  assert.equal(longestEdge(mesh), 50);
+  const nearest = (point, most) => nearestTriangle(mesh, longestEdge(mesh), point, most);
+  assert.equal(nearest([10, 10, 1], 4), 0);
+  assert.equal(nearest([10, 10, 2], 4), 1);
+  assert.equal(nearest([10, 10, -4], 3), null);
 });

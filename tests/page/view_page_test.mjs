@@ -122,6 +122,52 @@ describe("slices", () => {
       `(40, 30, 0) value ${Number(value.toPrecision(6))} · (40, 30, 0)`);
   });
 
+  test("the value under the pointer follows the slice", {timeout: SLOW}, async () => {
+    const readout = page.locator("#slice-y-readout");
+    const valueOf = (i, j, k) =>
+      Number((20 - Math.hypot(i - 31.5, j - 23.5, k - 19.5)).toPrecision(6));
+    const shows = (i, j, k) =>
+      page.waitForFunction((text) =>
+        document.querySelector("#slice-y-readout").textContent === text,
+      `(${i}, ${j}, ${k}) value ${valueOf(i, j, k)} · (${i}, ${j}, ${k})`);
+    const {x, y} = await placeOfSample(page, 1, [20, 0, 12]);
+    await page.locator("#slice-y").focus();
+    await page.mouse.move(x, y);
+    const [, j] = await state(page, "position");
+    await shows(20, j, 12);
+    server.faults.lateSlices = 300;
+    await page.keyboard.press("PageDown");
+    assert.match(await readout.textContent(), new RegExp(`^\\(20, ${j - 10}, 12\\) \\(`));
+    await shows(20, j - 10, 12);
+    server.faults.lateSlices = 0;
+    await page.keyboard.down("Shift");
+    await page.mouse.wheel(0, -100);
+    await page.keyboard.up("Shift");
+    await shows(20, j - 9, 12);
+    // Zoomed about the middle and panned, another sample is there.
+    const drag = async () => {
+      await page.mouse.move(x - 40, y - 10);
+      await page.mouse.down();
+      await page.mouse.move(x, y, {steps: 3});
+      await page.mouse.up();
+    };
+    for (const key of ["+", "+", "+", "+", "Shift+ArrowRight", "drag"]) {
+      await (key === "drag" ? drag() : page.keyboard.press(key));
+      const text = await readout.textContent();
+      const [i, , k] = text.match(/\d+/g).map(Number);
+      const at = await placeOfSample(page, 1, [i, 0, k]);
+      const next = await placeOfSample(page, 1, [i + 1, 0, k + 1]);
+      assert.ok(Math.abs(at.x - x) <= Math.abs(next.x - at.x) / 2 + 0.5, `${key}: ${text}`);
+      assert.ok(Math.abs(at.y - y) <= Math.abs(next.y - at.y) / 2 + 0.5, `${key}: ${text}`);
+    }
+    await page.keyboard.press("0");
+    await shows(20, j - 9, 12);
+    await page.mouse.move(1, 1);
+    assert.equal(await readout.textContent(), "");
+    await page.keyboard.press("PageUp");
+    assert.equal(await readout.textContent(), "");
+  });
+
   test("wheel, drag, keys and double click", {timeout: SLOW}, async () => {
     const where = () => placeOfSample(page, 2, [10, 10, 0]);
     const whole = await where();
@@ -375,6 +421,32 @@ describe("the mesh follows", () => {
     }, {faults: {preview: true, holds: true}});
   });
 
+  test("another page replaces the mesh; the same isovalue again", {timeout: SLOW}, async () => {
+    await viewing("ball", async (page, server) => {
+      await upToDate(page);
+      const typed = () => type(page, "#isovalue", 5);
+      const suggested = () => page.locator("#suggested-1").click();
+      const moved = () => page.locator("#handle").press("ArrowRight");
+      const entered = () => page.locator("#isovalue").press("Enter");
+      for (const [first, again] of [[typed, entered], [suggested, suggested], [typed, moved]]) {
+        const posted = meshes(server).length;
+        server.faults.holds = true;
+        await first();
+        await page.waitForFunction(() => window.isoatlas.running);
+        while (meshes(server).length === posted) await page.waitForTimeout(20);
+        server.send({type: "cancelled", request: meshes(server).at(-1).request});
+        await page.waitForFunction(() => !window.isoatlas.running);
+        assert.equal(await page.locator("#mesh-line").textContent(),
+          "Cancelled. The previous mesh is still shown.");
+        server.faults.holds = false;
+        await again();
+        await upToDate(page);
+        assert.equal(lastMesh(server).iso, `${await state(page, "isovalue")}`);
+        assert.equal((await state(page, "mesh")).request, meshes(server).at(-1).request);
+      }
+    });
+  });
+
   test("failures are shown, and the last mesh stays", {timeout: 2 * SLOW}, async () => {
     await viewing("ball", async (page, server, trouble) => {
       await upToDate(page);
@@ -453,6 +525,32 @@ describe("components", () => {
     });
   });
 
+  test("a double click uses one component again", {timeout: 2 * SLOW}, async () => {
+    await viewing("five", async (page, server) => {
+      await upToDate(page);
+      const points = (name) => server.received.findLast(({path}) => path === "mesh")
+        .options.filter(([n]) => n === name).length;
+      await page.locator("#shown-1").uncheck();
+      await page.locator("#shown-2").uncheck();
+      await page.locator("#keep-shown").click();
+      await upToDate(page);
+      assert.equal(points("drop-near"), 2);
+      server.faults.delay = 300;
+      await page.locator(".returnable button").first().dblclick();
+      await upToDate(page);
+      assert.equal(points("drop-near"), 1);
+      await page.locator("#take-all").click();
+      await upToDate(page);
+      await page.locator("#only-5").click();
+      await page.locator("#keep-shown").click();
+      await upToDate(page);
+      assert.equal(points("keep-near"), 1);
+      await page.locator(".returnable button").first().dblclick();
+      await upToDate(page);
+      assert.equal(points("keep-near"), 2);
+    });
+  });
+
   test("fields: the N largest, and no small ones", {timeout: 2 * SLOW}, async () => {
     await viewing("two", async (page, server) => {
       await upToDate(page);
@@ -469,6 +567,42 @@ describe("components", () => {
     });
   });
 
+  test("the keyboard focus stays when a button disappears", {timeout: 2 * SLOW}, async () => {
+    await viewing("three", async (page) => {
+      await upToDate(page);
+      const focused = () => page.evaluate(() => {
+        const {id, textContent, ariaLabel} = document.activeElement;
+        return id || ariaLabel || textContent;
+      });
+      const press = async (selector, key = "Enter") => {
+        await page.locator(selector).first().focus();
+        await page.keyboard.press(key);
+        await upToDate(page);
+      };
+      await press("#shown-1", "Space");
+      assert.equal(await focused(), "shown-1");
+      await press("#shown-2", "Space");
+      await press("#keep-shown");
+      assert.equal(await focused(), "keep-largest");
+      // Two components can be used again; the next one has the focus, then the field.
+      assert.equal(await page.locator(".returnable button").count(), 2);
+      await press(".returnable button");
+      assert.match(await focused(), /^Use again the component of/);
+      assert.equal(await page.locator(".returnable button").count(), 1);
+      await page.keyboard.press("Enter");
+      await upToDate(page);
+      assert.equal(await page.locator(".returnable button").count(), 0);
+      assert.equal(await focused(), "keep-largest");
+      await press("#take-all");
+      assert.equal(await focused(), "keep-largest");
+      // Rows of the list stay focused when the mesh changes.
+      await page.locator("#only-2").focus();
+      await page.evaluate(() => document.querySelector("#inside-below").click());
+      await upToDate(page);
+      assert.equal(await focused(), "only-2");
+    });
+  });
+
   test("hidden components stay hidden when the isovalue moves", {timeout: SLOW}, async () => {
     await viewing("two", async (page) => {
       await upToDate(page);
@@ -477,6 +611,37 @@ describe("components", () => {
       await page.keyboard.press("ArrowRight");
       await upToDate(page);
       assert.deepEqual(await state(page, "hidden"), [1]);
+    });
+  });
+
+  test("hidden components stay hidden after a preview without them", {timeout: SLOW}, async () => {
+    await viewing("two", async (page, server) => {
+      await upToDate(page);
+      Object.assign(server.faults, {preview: true, coarse: true, holds: true});
+      const preview = async () => {
+        await page.keyboard.press("ArrowRight");
+        await page.waitForFunction(() => window.isoatlas.mesh.reduction === 2);
+      };
+      const finish = async () => {
+        server.faults.holds = false;
+        await page.keyboard.press("ArrowRight");
+        await upToDate(page);
+        await page.waitForFunction(() => window.isoatlas.mesh.final);
+        server.faults.holds = true;
+      };
+      await page.locator("#shown-2").uncheck();
+      await page.locator("#handle").focus();
+      await preview();
+      assert.deepEqual(await state(page, "hidden"), []);
+      await finish();
+      assert.deepEqual(await state(page, "hidden"), [1]);
+      // A choice in the preview replaces it.
+      await preview();
+      await page.locator("#view").focus();
+      await page.keyboard.press("a");
+      await page.locator("#handle").focus();
+      await finish();
+      assert.deepEqual(await state(page, "hidden"), []);
     });
   });
 });
@@ -505,7 +670,8 @@ test("region of interest: numbers, edges, reset", {timeout: 2 * SLOW}, async () 
     await upToDate(page);
     assert.equal(lastMesh(server).roi, "10:30,0:40,:");
     assert.equal(await page.locator("#region-x-last").inputValue(), "30");
-    await page.locator("#whole-volume").click();
+    await page.locator("#whole-volume").press("Enter");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "edit-region");
     await upToDate(page);
     assert.equal(lastMesh(server).roi, undefined);
   });
@@ -552,16 +718,106 @@ describe("saving", () => {
     });
   });
 
-  test("cancel", {timeout: 2 * SLOW}, async () => {
+  test("violated bounds are a warning", {timeout: 2 * SLOW}, async () => {
+    for (const width of [1440, 360]) {
+      await viewing("ball", async (page, server) => {
+        await upToDate(page);
+        const status = page.locator("#save-status");
+        const isBad = () => status.evaluate((line) => line.classList.contains("bad"));
+        await page.locator("#save").click();
+        await page.waitForFunction(() => !window.isoatlas.saving);
+        assert.equal(await status.textContent(), "Saved ball.ply, 1234 bytes.");
+        assert.equal(await isBad(), false);
+        server.faults.violated = true;
+        await page.locator("#save").click();
+        await page.waitForFunction(() => !window.isoatlas.saving);
+        assert.equal(await status.textContent(),
+          "Saved ball.ply, 1234 bytes, but not all bounds are satisfied: see below.");
+        assert.equal(await isBad(), true);
+        const summary = page.locator("#save-summary");
+        assert.match(await summary.textContent(),
+          /command line\n {2}level 1 .*; violated: max-distance\n$/);
+        assert.ok(await summary.evaluate((box) =>
+          box.scrollWidth <= box.clientWidth && box.scrollHeight <= box.clientHeight), "not cut");
+      }, {width, height: width < 500 ? 740 : 900});
+    }
+  });
+
+  test("not while a field is invalid", {timeout: 2 * SLOW}, async () => {
     await viewing("ball", async (page, server) => {
+      await upToDate(page);
+      await type(page, "#keep-largest", "3");
+      await page.waitForFunction(() => /--keep-components 3/.test(window.isoatlas.command));
+      await upToDate(page);
+      const posted = server.received.length;
+      for (const [id, wrong, right, words] of [
+        ["keep-largest", "-3", "3", "the choice of components"],
+        ["isovalue", "6,5", "6", "the isovalue"],
+        ["region-y-last", "99", "47", "the region of interest"],
+        ["max-distance", "-1", "", "the bounds of the mesh"],
+      ]) {
+        await page.locator(`#${id}`).fill(wrong);
+        await page.locator(`#${id}`).dispatchEvent("change");
+        // At once: a click on Save, which makes the field lose the focus, must not save.
+        assert.ok(await page.locator("#save").isDisabled(), id);
+        assert.equal(await page.locator("#save-problem").textContent(),
+          `To save, correct ${words}.`);
+        assert.equal(await page.locator("#command-problem").textContent(),
+          `This is not the current command. Correct ${words}.`);
+        assert.ok(await page.locator("#copy-command").isDisabled());
+        assert.equal(await state(page, "command"), null);
+        assert.equal(await option(page, "keep-components"), "3", "the last valid value");
+        await page.locator(`#${id}`).fill(right);
+        await page.locator(`#${id}`).dispatchEvent("change");
+        assert.ok(await page.locator("#save").isEnabled(), id);
+        assert.equal(await page.locator("#save-problem").textContent(), "");
+        await page.waitForFunction(() => window.isoatlas.command ===
+          "isoatlas extract ball.nrrd --iso 6 --keep-components 3 -o ball.ply");
+        assert.ok(await page.locator("#copy-command").isEnabled());
+      }
+      assert.ok(server.received.slice(posted).every(({path}) => path === "command"));
+      // The problem of an axis stays when another one is corrected.
+      await type(page, "#region-y-last", "99");
+      await type(page, "#region-x-first", "5");
+      assert.match(await page.locator("#region-problem").textContent(), /^y: /);
+      assert.ok(await page.locator("#save").isDisabled());
+      await page.locator("#whole-volume").click();
+      assert.ok(await page.locator("#save").isEnabled());
+    });
+  });
+
+  test("messages of a broken connection arrive later", {timeout: SLOW}, async () => {
+    await viewing("ball", async (page, server, trouble) => {
       await upToDate(page);
       server.faults.holds = true;
       await page.locator("#save").click();
       await page.waitForFunction(() =>
-        /refine/.test(document.querySelector("#save-status").textContent));
-      assert.ok(await page.locator("#save").isDisabled());
-      await page.locator("#cancel-save").click();
+        /refining/.test(document.querySelector("#save-status").textContent));
+      server.breakStreams();
+      const {request} = server.received.find(({path}) => path === "save");
+      server.send({type: "failed", request, message: "no space is left"});
       await page.waitForFunction(() => !window.isoatlas.saving);
+      assert.equal(await page.locator("#save-status").textContent(), "No space is left.");
+      assert.ok(await page.locator("#ended").isHidden());
+      // The browser reports the connection in its console.
+      assert.ok(trouble.every((text) => /ERR_/.test(text)), trouble.join());
+      trouble.length = 0;
+    });
+  });
+
+  test("cancel", {timeout: 2 * SLOW}, async () => {
+    await viewing("ball", async (page, server) => {
+      await upToDate(page);
+      server.faults.holds = true;
+      const focused = () => page.evaluate(() => document.activeElement.id);
+      await page.locator("#save").press("Enter");
+      assert.equal(await focused(), "cancel-save");
+      await page.waitForFunction(() =>
+        document.querySelector("#save-status").textContent === "Saving: refining …");
+      assert.ok(await page.locator("#save").isDisabled());
+      await page.keyboard.press("Enter");
+      await page.waitForFunction(() => !window.isoatlas.saving);
+      assert.equal(await focused(), "save");
       assert.match(await page.locator("#save-status").textContent(), /Nothing was saved/);
       assert.ok(await page.locator("#save").isEnabled());
     });
@@ -588,6 +844,24 @@ describe("the server ends", () => {
       await upToDate(page);
       server.send({type: "bye", message: "It was interrupted."});
       await hasEnded(page, /has ended\. It was interrupted\./);
+    });
+  });
+
+  test("or refuses another page", {timeout: SLOW}, async () => {
+    await viewing("ball", async (first, server) => {
+      await upToDate(first);
+      server.faults.refusePages = "too many pages are open; close one";
+      const page = await first.context().newPage();
+      await page.goto(server.address);
+      await page.waitForSelector("html[data-ended]");
+      assert.match(await page.locator("#ended").textContent(), /^isoatlas view does not serve/);
+      assert.match(await page.locator("#ended").textContent(),
+        /this page: too many pages are open; close one\. Then reload this page\. /);
+      assert.ok(await page.locator("#save").isDisabled());
+      server.faults.refusePages = "";
+      await page.reload();
+      await upToDate(page);
+      assert.ok(await page.locator("#ended").isHidden());
     });
   });
 

@@ -21,6 +21,10 @@ const POLICY =
   "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'";
 
 const ball = (x, y, z, r) => (i, j, k) => r - Math.hypot(i - x, j - y, k - z);
+const balls = (...all) => {
+  const values = all.map((one) => ball(...one));
+  return (i, j, k) => Math.max(...values.map((value) => value(i, j, k)));
+};
 const identity = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]];
 
 /** Volumes whose isosurfaces are known. */
@@ -28,11 +32,14 @@ export const volumes = {
   /** The isosurface at v is a ball of radius 20 - v around (31.5, 23.5, 15.5). */
   ball: () => ({size: [64, 48, 40], value: ball(31.5, 23.5, 19.5, 20), isovalue: 6}),
   /** Two balls of radius 10 - v and 7 - v. */
-  two: () => {
-    const [large, small] = [ball(16, 20, 20, 10), ball(44, 20, 20, 7)];
-    return {size: [60, 40, 40], isovalue: 2,
-      value: (i, j, k) => Math.max(large(i, j, k), small(i, j, k))};
-  },
+  two: () => ({size: [60, 40, 40], isovalue: 2,
+    value: balls([16, 20, 20, 10], [44, 20, 20, 7])}),
+  /** Balls of radius 10 - v, 8 - v and 6 - v. */
+  three: () => ({size: [66, 32, 32], isovalue: 2,
+    value: balls([14, 16, 16, 10], [38, 16, 16, 8], [56, 16, 16, 6])}),
+  /** Balls of radius 10 - v, 9 - v, 8 - v, 7 - v and 6 - v. */
+  five: () => ({size: [70, 50, 32], isovalue: 2, value: balls([14, 14, 16, 10], [38, 14, 16, 9],
+    [58, 14, 16, 8], [14, 38, 16, 7], [38, 38, 16, 6])}),
   /** A ball with NaN where i < 12. */
   nan: () => {
     const value = ball(16, 16, 16, 12);
@@ -228,9 +235,13 @@ function meshBytes(volume, world, options, reduction) {
  * @param faults what goes wrong or is slow; may be changed while it serves:
  *   delay       ms until a mesh is made
  *   preview     whether a mesh of a "reduced" volume comes first
+ *   coarse      whether previews have only the largest component
  *   holds       whether final meshes and files wait until they are cancelled
  *   refuse      the error of each command and mesh
+ *   lateSlices  ms until the next slices arrive
  *   late        ms until the next requests for a mesh arrive, the last one first
+ *   violated    whether files violate a bound
+ *   refusePages the error of each request for messages
  *   fail        the message with which each mesh fails
  * @returns address, the requests that were received, the number of meshes that were replaced before
  *          they were made, and what ends it
@@ -246,11 +257,21 @@ export async function serveVolume(name, faults = {}) {
   const counts = {replaced: 0};
   let lastId = 0;
   let current = null;
+  const messages = [];
+  const write = (page, id) => page.write(`id: ${id}\ndata: ${messages[id]}\n\n`);
   const send = (message) => {
-    for (const page of pages) page.write(`data: ${JSON.stringify(message)}\n\n`);
+    messages.push(JSON.stringify(message));
+    for (const page of pages) write(page, messages.length - 1);
+  };
+  /** Breaks the connections of pages, which connect again after a moment. */
+  const breakStreams = () => {
+    for (const page of pages) page.destroy();
+    pages.clear();
   };
   const sendMesh = (request, options, reduction, final) => {
-    const bytes = meshBytes(volume, json.index_to_world, options, reduction);
+    const made =
+      reduction > 1 && faults.coarse ? [...options, ["keep-components", "1"]] : options;
+    const bytes = meshBytes(volume, json.index_to_world, made, reduction);
     if (!bytes) {
       send({type: "failed", request, message: "no sample is inside"});
       return;
@@ -284,8 +305,10 @@ export async function serveVolume(name, faults = {}) {
     send({type: "progress", request, stage: "refine", fraction: 0.5});
     if (faults.holds) return;
     files.set(++lastId, Buffer.from(commandOf(body)));
+    const violated = faults.violated ? "; violated: max-distance" : "";
     send({type: "saved", request, id: lastId, name: `${name}.${format}`, bytes: 1234,
-      summary: "  surface       as on the command line\n"});
+      satisfied: !faults.violated, summary: `  surface       as on the command line\n` +
+        `  level 1       8,627 vertices, 17,146 triangles, max-distance 0.663362${violated}\n`});
   };
   const posts = {
     mesh: (body) => (setImmediate(makeMesh, body), {}),
@@ -318,14 +341,20 @@ export async function serveVolume(name, faults = {}) {
     }
     if (path === "") return reply(200, "text/html; charset=utf-8", html());
     if (path === "volume") return reply(200, "application/json", JSON.stringify(json));
+    if (path === "events" && faults.refusePages)
+      return reply(503, "application/json", JSON.stringify({error: faults.refusePages}));
     if (path === "events") {
       response.writeHead(200, {"Content-Type": "text/event-stream"});
-      response.write(":\n\n");
+      response.write("retry: 300\n\n");
+      const last = request.headers["last-event-id"];
+      for (let id = Number(last) + 1; id < messages.length; ++id) write(response, id);
       pages.add(response);
       request.on("close", () => pages.delete(response));
       return;
     }
     const [kind, first, second] = path.split("/");
+    if (kind === "slices" && faults.lateSlices)
+      await new Promise((done) => setTimeout(done, faults.lateSlices));
     if (kind === "slices") return bytes(slice(volume, Number(first), Number(second)));
     if (kind === "meshes" && meshes.has(Number(first))) return bytes(meshes.get(Number(first)));
     if (kind === "files" && files.has(Number(first))) {
@@ -346,6 +375,7 @@ export async function serveVolume(name, faults = {}) {
     counts,
     faults,
     send,
+    breakStreams,
     stop,
   };
 }

@@ -17,19 +17,20 @@ export class ComponentChoice {
   readonly hidden = new Set<number>();
   selected: number | null = null;
 
-  constructor(private readonly changed: () => void) {}
+  /** @param changed gets whether others are hidden; if not, another one is selected */
+  constructor(private readonly changed: (hidden: boolean) => void) {}
 
   readonly isShown = (component: number): boolean => !this.hidden.has(component);
 
   select(component: number | null): void {
     this.selected = component;
-    this.changed();
+    this.changed(false);
   }
 
   show(component: number, shown: boolean): void {
     if (shown) this.hidden.delete(component);
     else this.hidden.add(component);
-    this.changed();
+    this.changed(true);
   }
 
   /** Hides all other components. @param all the number of components */
@@ -40,7 +41,7 @@ export class ComponentChoice {
   set(hidden: number[]): void {
     this.hidden.clear();
     for (const component of hidden) this.hidden.add(component);
-    this.changed();
+    this.changed(true);
   }
 
   reset(): void {

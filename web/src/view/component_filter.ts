@@ -30,6 +30,8 @@ export interface Selection {
 export class ComponentFilter {
   private keep: Point[] = [];
   private drop: Point[] = [];
+  /** Options of the fields when all of them were valid the last time. */
+  private typed: Option[] = [];
   private readonly largest = field("keep-largest", "Keep the N largest", "all");
   private readonly smallest = field("drop-smaller", "Drop smaller than", "none");
   private readonly sizeUnit: HTMLSelectElement;
@@ -45,12 +47,13 @@ export class ComponentFilter {
    * @param unit of lengths; "" if the volume states none
    * @param spacing the smallest one of the volume
    * @param selection of the mesh that is shown; null: none, or not the final one
+   * @param changed gets whether the options have changed; if not, a field became invalid
    */
   constructor(
     private readonly unit: string,
     private readonly spacing: number,
     private readonly selection: () => Selection | null,
-    private readonly changed: () => void,
+    private readonly changed: (options: boolean) => void,
   ) {
     this.sizeUnit = element(
       "select",
@@ -59,7 +62,10 @@ export class ComponentFilter {
       ...(unit ? [element("option", {value: ""}, `${unit}³`)] : []),
     );
     for (const input of [this.largest.input, this.smallest.input, this.sizeUnit])
-      input.addEventListener("change", () => this.typed());
+      input.addEventListener("change", () => {
+        this.readFields();
+        this.changed(this.isValid);
+      });
     this.fields = element(
       "div",
       {class: "pairs"},
@@ -71,13 +77,14 @@ export class ComponentFilter {
     );
   }
 
-  /** Options of extract; those of fields that are not valid are left out. */
+  /** Whether all fields can be used; if not, the options have their last valid values. */
+  get isValid(): boolean {
+    return this.problem.textContent === "";
+  }
+
+  /** Options of extract. */
   options(): Option[] {
-    const out: Option[] = [];
-    const largest = this.largest.input.value.trim();
-    const smallest = this.smallest.input.value.trim();
-    if (isCount(largest)) out.push(["keep-components", largest]);
-    if (isSize(smallest)) out.push(["min-component-size", `${smallest}${this.sizeUnit.value}`]);
+    const out = [...this.typed];
     for (const {at} of this.keep) out.push(["keep-near", this.pointText(at)]);
     for (const {at} of this.drop) out.push(["drop-near", this.pointText(at)]);
     return out;
@@ -91,10 +98,20 @@ export class ComponentFilter {
 
   /** Lists what the mesh does not contain. */
   show(header: MeshHeader): void {
+    const focused = this.notes.querySelector(":focus");
+    const isByKey = focused?.matches(":focus-visible");
+    const buttons = (): Element[] =>
+      [...this.notes.querySelectorAll(focused?.id === "take-all" ? "#take-all" : "li button")];
+    const at = focused ? buttons().indexOf(focused) : -1;
     this.notes.replaceChildren(...this.leftOut(header));
+    if (!focused) return;
+    // The focus stays in the list: at the next button, which has the place of one that is gone.
+    const next = buttons()[at] ?? buttons().at(-1);
+    if (next) (next as HTMLElement).focus({preventScroll: true});
+    else if (isByKey) this.largest.input.focus({preventScroll: true});
   }
 
-  private typed(): void {
+  private readFields(): void {
     const {largest, smallest} = this;
     const problems = [
       largest.input.value.trim() === "" || isCount(largest.input.value)
@@ -108,7 +125,16 @@ export class ComponentFilter {
       input.setAttribute("aria-invalid", `${problems[i] !== ""}`),
     );
     this.problem.textContent = problems.filter(Boolean).join(" ");
-    if (!this.problem.textContent) this.changed();
+    if (this.isValid) this.typed = this.fieldOptions();
+  }
+
+  /** Options of valid fields. */
+  private fieldOptions(): Option[] {
+    const out: Option[] = [];
+    const [largest, smallest] = [this.largest, this.smallest].map(({input}) => input.value.trim());
+    if (largest) out.push(["keep-components", largest]);
+    if (smallest) out.push(["min-component-size", `${smallest}${this.sizeUnit.value}`]);
+    return out;
   }
 
   private keepShown(): void {
@@ -120,7 +146,7 @@ export class ComponentFilter {
     if (hidden.length === 0 || kept.length === 0) return;
     const isFiltered = this.options().length > 0;
     if (!isFiltered && areLargest(shape, kept, hidden)) {
-      this.largest.input.value = `${kept.length}`;
+      this.clear(`${kept.length}`);
     } else if (kept.length <= hidden.length) {
       // All other conditions hold for these components already.
       this.clear();
@@ -128,17 +154,18 @@ export class ComponentFilter {
     } else {
       this.drop = [...this.drop, ...hidden.map((i) => pointOf(selection, i))];
     }
-    this.changed();
+    // Before this button is disabled. A touch should not open the keyboard of the screen.
+    if (this.onlyShown.matches(":focus-visible")) this.largest.input.focus({preventScroll: true});
+    this.changed(true);
   }
 
-  private clear(): void {
+  /** Removes all conditions. @param largest how many components to keep instead; "": all */
+  private clear(largest = ""): void {
     this.keep = [];
     this.drop = [];
-    for (const {input} of [this.largest, this.smallest]) {
-      input.value = "";
-      input.setAttribute("aria-invalid", "false");
-    }
-    this.problem.textContent = "";
+    this.largest.input.value = largest;
+    this.smallest.input.value = "";
+    this.readFields();
   }
 
   private leftOut({dropped, dropped_components: listed, kept}: MeshHeader): Child[] {
@@ -153,29 +180,24 @@ export class ComponentFilter {
         ),
       );
     }
-    if (this.drop.length > 0)
-      out.push(
-        this.list(this.drop, (i) => {
-          this.drop.splice(i, 1);
-        }),
-      );
+    if (this.drop.length > 0) out.push(this.droppedPoints());
     else if (this.keep.length > 0 && listed.length > 0) out.push(this.returnable(listed));
     if (this.options().length > 0) {
       const all = button("take-all", "Use all components again", () => {
         this.clear();
-        this.changed();
+        this.changed(true);
       });
       out.push(element("div", {class: "buttons"}, all));
     }
     return out;
   }
 
-  /** Dropped components, each with a button to use it again. */
-  private list(points: Point[], back: (index: number) => void): HTMLElement {
-    const rows = points.slice(0, 50).map(({text}, i) =>
-      this.row(text, () => {
-        back(i);
-        this.changed();
+  /** Dropped components, each with a button to use it again, which may be pressed twice. */
+  private droppedPoints(): HTMLElement {
+    const rows = this.drop.slice(0, 50).map((point) =>
+      this.row(point.text, () => {
+        this.drop = this.drop.filter((other) => other !== point);
+        this.changed(true);
       }),
     );
     return element("ul", {class: "returnable"}, ...rows);
@@ -185,8 +207,8 @@ export class ComponentFilter {
   private returnable(listed: MeshHeader["dropped_components"]): HTMLElement {
     const rows = listed.slice(0, LISTED).map(({size, position}) =>
       this.row(`${this.sizeText(size)} at ${place(position)}`, () => {
-        this.keep.push({at: position, text: ""});
-        this.changed();
+        if (!this.keep.some(({at}) => at === position)) this.keep.push({at: position, text: ""});
+        this.changed(true);
       }),
     );
     return element("ul", {class: "returnable"}, ...rows);

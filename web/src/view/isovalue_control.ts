@@ -18,8 +18,11 @@ const HEIGHTS: {value: Height; text: string}[] = [
   {value: "root", text: "Square root"},
 ];
 
-/** Whether a number is being typed, or the handle moves, or the isovalue is settled. */
-export type Change = "typed" | "moved" | "settled";
+/**
+ * Whether a number is being typed, or the handle moves, or the isovalue is settled, or what was
+ * typed cannot be used.
+ */
+export type Change = "typed" | "moved" | "settled" | "refused";
 
 export class IsovalueControl {
   value: number;
@@ -117,6 +120,11 @@ export class IsovalueControl {
     return {isovalue: this.value, inside: this.inside, nan: this.nanSide.value(), offset};
   }
 
+  /** Whether the field has the isovalue; if not, the isovalue is the last valid one. */
+  get isValid(): boolean {
+    return this.problem.textContent === "";
+  }
+
   /** Shows why what was typed is no isovalue. */
   private setProblem(text: string): void {
     if (this.problem.textContent !== text) this.problem.textContent = text;
@@ -138,6 +146,10 @@ export class IsovalueControl {
   private listen(): void {
     this.field.addEventListener("input", () => this.typed("typed"));
     this.field.addEventListener("change", () => this.typed("settled"));
+    // Also if the text has not changed: the mesh may have been cancelled.
+    this.field.addEventListener("keydown", ({key}) => {
+      if (key === "Enter") this.typed("settled");
+    });
     let isMoving = false;  // by a key that is pressed
     this.handle.addEventListener("keydown", (event) => {
       const to = this.keyValue(event);
@@ -176,6 +188,7 @@ export class IsovalueControl {
     const parsed = parseIsovalue(this.field.value, this.volume);
     if ("problem" in parsed) {
       this.setProblem(parsed.problem);
+      this.changed("refused");
       return;
     }
     this.setProblem("");
@@ -235,7 +248,7 @@ export class IsovalueControl {
     this.handle.setAttribute("aria-valuemax", `${maximum}`);
     this.handle.setAttribute("aria-valuenow", text);
     this.handle.setAttribute("aria-valuetext", text);
-    if (document.activeElement !== this.field) this.field.value = text;
+    if (document.activeElement !== this.field && this.isValid) this.field.value = text;
     const [left, right] = this.inside === "above" ? [at, 0] : [0, 1 - at];
     this.insideBars.style.clipPath = `inset(0 ${100 * right}% 0 ${100 * left}%)`;
     const below = shareBelow(this.value, this.volume);

@@ -24,7 +24,7 @@ async function start(): Promise<void> {
   let page: ViewPage | null = null;
   const server = new Server(
     (message: Message) => page?.heard(message),
-    (reason) => (page ? page.end(reason) : undefined),
+    (why) => page?.end(why),
   );
   page = new ViewPage(server, await server.volume());
   Object.defineProperty(window, "isoatlas", {value: page.api});

@@ -125,7 +125,7 @@ export class MeshFollower {
     });
   }
 
-  /** For ever, because the server has ended. */
+  /** For ever, because no messages arrive any more. */
   stop(): void {
     this.isStopped = true;
     this.running = null;

@@ -50,6 +50,7 @@ class NumberField {
   readonly input: HTMLInputElement;
   readonly unit: HTMLSelectElement | null;
   readonly cell: HTMLElement;
+  private last: Option[] = [];
 
   constructor(
     readonly of: Field,
@@ -92,10 +93,12 @@ class NumberField {
     return expected && `${this.of.text}: expected ${expected}, got “${typed}”.`;
   }
 
+  /** None if the field is empty; the last valid one if the field is invalid. */
   option(): Option[] {
     const {typed} = this;
-    if (typed === "" || this.problem()) return [];
-    return [[this.of.name, `${typed}${this.unit?.value ?? ""}`]];
+    if (!this.problem())
+      this.last = typed ? [[this.of.name, `${typed}${this.unit?.value ?? ""}`]] : [];
+    return this.last;
   }
 }
 
@@ -162,7 +165,7 @@ export class MeshOptions {
       },
       () => {
         this.boundChanged();
-        if (this.isValid) this.changed(true);
+        if (!this.radius.problem()) this.changed(true);
       },
     );
     this.distance = bound({

@@ -18,21 +18,20 @@ import {contextOf, Scene, toFile, type Style} from "../scene";
 import type {Outline} from "../outlines";
 import type {Grid} from "./grid";
 import type {MeshFollower, Shown} from "./mesh_follower";
+import {longestEdge, nearestTriangle} from "./nearest_triangle";
 import type {Region} from "./region";
+import {progressText} from "./stages";
 
 const LIST_AFTER = 150;  // ms without another mesh
 const MOST_REMEMBERED = 50;
 const ID = "mesh";
 
-/** What stages of the tool do, for the user. */
-const STAGES: Record<string, string> = {
-  read: "reading",
-  surface: "finding the surface",
-  coarsen: "simplifying",
-  cover: "placing vertices",
-  certify: "certifying",
-  check: "checking",
-};
+/** Components by one vertex of each. */
+interface Remembered {
+  points: Triple[];
+  /** Whether these are the hidden components, or the shown ones. */
+  hides: boolean;
+}
 
 export class MeshView {
   readonly canvas = element("canvas", {
@@ -45,7 +44,7 @@ export class MeshView {
   });
   readonly field: HTMLElement;
   readonly sides = element("div", {class: "sides"});
-  readonly components = new ComponentChoice(() => this.componentsChanged());
+  readonly components = new ComponentChoice((hidden) => this.componentsChanged(hidden));
   readonly scene: Scene | null;
   private readonly overlay = new Overlay();
   private readonly inspector: Inspector | null = null;
@@ -60,6 +59,10 @@ export class MeshView {
   });
   private shown: Shown | null = null;
   private shape: LevelShape | null = null;
+  /** Which components the user hides, in meshes of any isovalue. */
+  private remembered: Remembered | null = null;
+  /** The points of `remembered` that the shown mesh has no component at. */
+  private unmatched: Triple[] = [];
   private listing = 0;
   private style: Style = "smooth";
   private colouring: Colouring = "plain";
@@ -220,7 +223,6 @@ export class MeshView {
 
   /** Shows a mesh. The camera moves only for the first one. */
   show(shown: Shown): void {
-    const hidden = this.rememberHidden();
     const isFirst = !this.shown;
     this.shown = shown;
     this.shape = new LevelShape(shown.made.mesh.levels[0]);
@@ -228,7 +230,12 @@ export class MeshView {
     this.components.selected = null;
     this.inspector?.reset();
     this.scene?.show(shown.made.mesh, [this.shape], !isFirst);
-    for (const component of this.numbersOf(hidden)) this.components.hidden.add(component);
+    for (const component of this.hiddenNumbers()) this.components.hidden.add(component);
+    // A preview can lack components that the mesh of the whole volume has.
+    if (shown.final) {
+      this.unmatched = [];
+      this.remembered = this.rememberHidden();
+    }
     this.scene?.showComponents(this.components.isShown);
     this.scene?.update(0, this.style, this.colouring, this.lengthUnit);
     this.updateOutlines();
@@ -246,13 +253,25 @@ export class MeshView {
 
   private updateList(): void {
     if (!this.shape) return;
+    const focused = this.listed.querySelector<HTMLElement>(":focus");
     this.listed.replaceChildren(
       this.list.open(this.shape, this.lengthUnit, this.scene?.facing ?? 1, this.host.notes()),
     );
+    // Its part of the list is new, or was moved to the new list.
+    if (focused) {
+      const same = focused.isConnected ? focused : document.getElementById(focused.id);
+      same?.focus({preventScroll: true});
+    }
     this.listed.setAttribute("aria-busy", "false");
   }
 
-  private componentsChanged(): void {
+  private componentsChanged(hidden: boolean): void {
+    if (hidden) {
+      const before = this.remembered;
+      this.remembered = this.rememberHidden();
+      if (before?.hides === this.remembered?.hides)
+        this.remembered?.points.push(...this.unmatched);
+    }
     this.scene?.showComponents(this.components.isShown);
     this.list.refresh();
     this.inspector?.refresh();
@@ -260,7 +279,7 @@ export class MeshView {
   }
 
   /** Vertices of the hidden components, or of the shown ones if these are fewer. */
-  private rememberHidden(): {points: Triple[]; hides: boolean} | null {
+  private rememberHidden(): Remembered | null {
     const {shape, components, mesh} = this;
     if (!shape || !mesh || components.hidden.size === 0) return null;
     const all = shape.components().list.length;
@@ -278,25 +297,20 @@ export class MeshView {
   }
 
   /** The components to hide in the shown mesh. */
-  private numbersOf(remembered: {points: Triple[]; hides: boolean} | null): number[] {
-    const {shape, mesh} = this;
+  private hiddenNumbers(): number[] {
+    const {shape, mesh, remembered} = this;
+    this.unmatched = [];
     if (!remembered || !shape || !mesh) return [];
-    const {of, list} = shape.components();
-    const {positions, triangles} = shape.level;
-    const near = 4 * Math.max(...this.grid.spacing);
+    const {list} = shape.components();
+    const edge = longestEdge(shape.level);
+    // Large triangles are farther from the isosurface.
+    const near = Math.max(4 * Math.max(...this.grid.spacing), edge / 4);
     const found = new Set<number>();
     for (const point of remembered.points) {
-      const [x, y, z] = point.map((v, axis) => v - mesh.centre[axis]);
-      let least = near * near;
-      let nearest = -1;
-      for (const v of triangles) {
-        const squared =
-          (positions[3 * v] - x) ** 2 +
-          (positions[3 * v + 1] - y) ** 2 +
-          (positions[3 * v + 2] - z) ** 2;
-        if (squared < least) [least, nearest] = [squared, v];
-      }
-      if (nearest >= 0) found.add(of[nearest]);
+      const at = point.map((v, axis) => v - mesh.centre[axis]) as Triple;
+      const triangle = nearestTriangle(shape.level, edge, at, near);
+      if (triangle !== null) found.add(shape.componentOf(triangle));
+      else this.unmatched.push(point);
     }
     if (found.size === 0) return [];
     const isHidden = (component: number): boolean => found.has(component) === remembered.hides;
@@ -325,10 +339,8 @@ export class MeshView {
     const {follower, shown} = this;
     if (follower.problem)
       return `${sentence(follower.problem)}${shown ? " The last mesh is still shown." : ""}`;
-    if (follower.isRunning && !(shown && !shown.final && this.isOfRunning)) {
-      const stage = STAGES[follower.stage] ?? follower.stage;
-      return `The mesh is being made${stage ? `: ${stage}` : ""} …`;
-    }
+    if (follower.isRunning && !(shown && !shown.final && this.isOfRunning))
+      return progressText("The mesh is being made", follower.stage);
     if (!shown) return follower.wasCancelled ? "Cancelled. There is no mesh yet." : "";
     const {header} = shown.made;
     if (shown.final) {

@@ -9,6 +9,7 @@ export class RegionFields {
   readonly section: HTMLElement;
   private readonly inputs: [HTMLInputElement, HTMLInputElement][];
   private readonly problem = problemLine("region-problem");
+  private readonly problems = ["", "", ""];  // per axis
   private readonly edit = button(
     "edit-region",
     "Drag its edges",
@@ -16,19 +17,21 @@ export class RegionFields {
     {"aria-pressed": "false", title: "Show edges in the slices that can be dragged"},
   );
   private readonly whole = button("whole-volume", "Whole volume", () => {
+    // Before this button is disabled.
+    if (document.activeElement === this.whole) this.edit.focus();
     this.region.reset();
     this.show();
-    this.changed();
+    this.changed(true);
   });
 
   /**
-   * @param changed called when the region has another extent
+   * @param changed gets whether the region has another extent; if not, a field became invalid
    * @param editedChanged called when its edges can, or can no longer, be dragged
    */
   constructor(
     private readonly region: Region,
     size: readonly number[],
-    private readonly changed: () => void,
+    private readonly changed: (extent: boolean) => void,
     private readonly editedChanged: () => void,
   ) {
     this.inputs = AXES.map((letter, axis) => {
@@ -70,6 +73,11 @@ export class RegionFields {
     return this.edit.getAttribute("aria-pressed") === "true";
   }
 
+  /** Whether all fields can be used; if not, the region has their last valid values. */
+  get isValid(): boolean {
+    return this.problems.every((problem) => problem === "");
+  }
+
   private setEdited(edited: boolean): void {
     this.edit.setAttribute("aria-pressed", `${edited}`);
     this.editedChanged();
@@ -82,8 +90,16 @@ export class RegionFields {
         input.setAttribute("aria-invalid", "false");
       }),
     );
-    this.whole.disabled = this.region.isWhole;
-    this.problem.textContent = "";
+    this.problems.fill("");
+    this.update();
+  }
+
+  private update(): void {
+    this.whole.disabled = this.region.isWhole && this.isValid;
+    this.problem.textContent = this.problems
+      .map((problem, axis) => problem && `${AXES[axis]}: ${problem}`)
+      .filter(Boolean)
+      .join(" ");
   }
 
   private typed(axis: number): void {
@@ -92,10 +108,9 @@ export class RegionFields {
     ) as Ends;
     const problem = this.region.problem(axis, ends);
     for (const input of this.inputs[axis]) input.setAttribute("aria-invalid", `${problem !== ""}`);
-    this.problem.textContent = problem ? `${AXES[axis]}: ${problem}` : "";
-    if (problem) return;
-    this.region.set(axis, ends);
-    this.whole.disabled = this.region.isWhole;
-    this.changed();
+    this.problems[axis] = problem;
+    if (!problem) this.region.set(axis, ends);
+    this.update();
+    this.changed(!problem);
   }
 }

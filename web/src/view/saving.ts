@@ -4,7 +4,15 @@ import {button} from "../controls";
 import {copyButton} from "../copying";
 import {element, number} from "../dom";
 import {sentence} from "./mesh_view";
-import {nextRequest, Refused, type Message, type Option, type Server} from "./server";
+import {
+  nextRequest,
+  Refused,
+  type Message,
+  type Option,
+  type SavedMessage,
+  type Server,
+} from "./server";
+import {progressText} from "./stages";
 
 const COMMAND_AFTER = 120;  // ms without another change
 
@@ -27,8 +35,13 @@ export class Saving {
   private readonly format: HTMLSelectElement;
   private readonly save = button("save", "Save the mesh", () => void this.start(), {
     class: "primary",
+    "aria-describedby": "save-problem",
   });
-  private readonly bar = element("progress", {id: "save-progress", max: "1"});
+  private readonly bar = element("progress", {
+    id: "save-progress",
+    max: "1",
+    "aria-label": "Progress of saving",
+  });
   private readonly stop = button("cancel-save", "Cancel", () => this.cancel());
   private readonly running = element("div", {class: "running"}, this.bar, this.stop);
   private readonly status = element("p", {id: "save-status", role: "status"});
@@ -39,6 +52,7 @@ export class Saving {
   });
   private readonly command = element("code");
   private readonly problem = element("p", {class: "bad problem", id: "command-problem"});
+  private readonly invalid = element("p", {class: "bad problem", id: "save-problem"});
   private readonly copy = copyButton(this.command, "copy-command");
   private request: number | null = null;
   private started: Promise<unknown> = Promise.resolve();
@@ -47,11 +61,12 @@ export class Saving {
   private isCurrent = false;  // whether the command line is that of the options
   private isStopped = false;
 
-  /** @param options of the mesh; null: not all fields can be used */
+  /** @param toCorrect what has invalid fields, for the user; "": all fields can be used */
   constructor(
     private readonly server: Server,
     formats: string[],
-    private readonly options: () => Option[] | null,
+    private readonly options: () => Option[],
+    private readonly toCorrect: () => string,
   ) {
     this.format = element(
       "select",
@@ -63,6 +78,7 @@ export class Saving {
     this.summary.hidden = true;
     this.fields = [
       element("div", {class: "buttons"}, this.format, this.save),
+      this.invalid,
       this.running,
       this.status,
       this.summary,
@@ -77,37 +93,49 @@ export class Saving {
   /** Shows the command line of the options, after a moment without another change. */
   updateCommand(): void {
     clearTimeout(this.pending);
+    ++this.latest;  // an answer that is still to arrive is of other options
     this.isCurrent = false;
-    this.pending = window.setTimeout(() => void this.fetchCommand(), COMMAND_AFTER);
     this.copy.textContent = "Copy";
+    const invalid = this.toCorrect();
+    this.invalid.textContent = invalid && `To save, correct ${invalid}.`;
+    this.setCommandProblem(invalid && `This is not the current command. Correct ${invalid}.`);
+    if (!invalid)
+      this.pending = window.setTimeout(() => void this.fetchCommand(), COMMAND_AFTER);
+    this.show();
+  }
+
+  /** @param text why the command line is not that of the options; "": it is, or is requested */
+  private setCommandProblem(text: string): void {
+    this.problem.textContent = text;
+    this.command.classList.toggle("soft", text !== "");
+    this.copy.disabled = text !== "";
   }
 
   private async fetchCommand(): Promise<void> {
-    const options = this.options();
-    this.save.disabled = options === null || this.isRunning || this.isStopped;
-    if (!options || this.isStopped) return;
-    const number = ++this.latest;
+    if (this.isStopped) return;
+    const number = this.latest;
     try {
       const {command} = await this.server.post<{command: string}>("command", {
-        options,
+        options: this.options(),
         format: this.format.value,
       });
       if (number !== this.latest) return;
       this.command.textContent = command;
       this.isCurrent = true;
-      this.problem.textContent = "";
+      this.setCommandProblem("");
     } catch (reason) {
-      if (number === this.latest) this.problem.textContent = sentence(wordsOf(reason));
+      if (number === this.latest) this.setCommandProblem(sentence(wordsOf(reason)));
     }
   }
 
   private async start(): Promise<void> {
+    if (this.toCorrect() || this.request !== null) return;
     const options = this.options();
-    if (!options || this.request !== null) return;
     const request = nextRequest();
     this.request = request;
     this.summary.hidden = true;
     this.setStatus("Saving …");
+    this.bar.removeAttribute("value");
     this.show();
     this.started = this.server.post("save", {request, options, format: this.format.value});
     try {
@@ -132,13 +160,10 @@ export class Saving {
       case "progress":
         if (message.fraction === null) this.bar.removeAttribute("value");
         else this.bar.value = message.fraction;
-        this.setStatus(`Saving: ${message.stage} …`);
+        this.setStatus(progressText("Saving", message.stage));
         break;
       case "saved":
-        this.end(message.request, `Saved ${message.name}, ${bytesText(message.bytes)}.`);
-        this.summary.textContent = message.summary;
-        this.summary.hidden = message.summary === "";
-        download(`files/${message.id}`, message.name);
+        this.saved(message);
         break;
       case "failed":
         this.end(message.request, sentence(message.message), true);
@@ -149,10 +174,21 @@ export class Saving {
     }
   }
 
-  /** For ever, because the server has ended. */
-  stopAll(): void {
+  private saved({request, id, name, bytes, satisfied, summary}: SavedMessage): void {
+    const text = `Saved ${name}, ${bytesText(bytes)}`;
+    if (satisfied) this.end(request, `${text}.`);
+    else this.end(request, `${text}, but not all bounds are satisfied: see below.`, true);
+    this.summary.replaceChildren(
+      ...summary.split(/(?<=\n)/).map((line) => element("span", {class: "line"}, line)),
+    );
+    this.summary.hidden = summary === "";
+    download(`files/${id}`, name);
+  }
+
+  /** For ever. @param why in sentences, such as that the server has ended */
+  stopAll(why: string): void {
     this.isStopped = true;
-    if (this.request !== null) this.end(this.request, "isoatlas view has ended.", true);
+    if (this.request !== null) this.end(this.request, why, true);
     this.show();
   }
 
@@ -179,11 +215,15 @@ export class Saving {
 
   private show(): void {
     const isRunning = this.request !== null;
+    const focused = document.activeElement;
     this.running.hidden = !isRunning;
-    this.bar.removeAttribute("value");
-    this.bar.setAttribute("aria-label", "Progress of saving");
-    this.save.disabled = isRunning || this.isStopped;
+    this.save.disabled = isRunning || this.isStopped || this.toCorrect() !== "";
     this.format.disabled = isRunning || this.isStopped;
+    // A button that disappears or is disabled passes the focus on.
+    if (focused === this.save && isRunning) this.stop.focus();
+    if (focused === this.stop && !isRunning)
+      [this.save, this.format, this.commandLine[0]].find((part) => !part.matches(":disabled"))!
+        .focus();
   }
 }
 

@@ -69,10 +69,22 @@ export interface MadeMesh {
   mesh: Mesh;
 }
 
+export interface SavedMessage {
+  type: "saved";
+  request: number;
+  id: number;
+  name: string;
+  bytes: number;
+  /** Whether the mesh satisfies all bounds. */
+  satisfied: boolean;
+  /** Lines about the mesh, which state bounds that are violated. */
+  summary: string;
+}
+
 export type Message =
   | {type: "progress"; request: number; stage: string; fraction: number | null}
   | {type: "mesh"; request: number; id: number; reduction: number; final: boolean}
-  | {type: "saved"; request: number; id: number; name: string; bytes: number; summary: string}
+  | SavedMessage
   | {type: "failed"; request: number; message: string}
   | {type: "cancelled"; request: number}
   | {type: "bye"; message: string};
@@ -81,6 +93,7 @@ export type Message =
 export class Refused extends Error {}
 
 const PROBE_AFTER = 400;  // ms
+const ENDED = "isoatlas view has ended.";
 
 /** Numbers of requests, larger than those of earlier pages. */
 let lastRequest = 0;
@@ -90,10 +103,13 @@ export class Server {
   private events: EventSource | null = null;
   private hasEnded = false;
 
-  /** @param ended called once, when the server cannot be reached any more */
+  /**
+   * @param ended called once, when no message can arrive any more: the server cannot be reached, or
+   *        refuses to send them to this page. Gets sentences for the user
+   */
   constructor(
     private readonly heard: (message: Message) => void,
-    private readonly ended: (reason: string) => void,
+    private readonly ended: (why: string) => void,
   ) {}
 
   async volume(): Promise<Volume> {
@@ -123,19 +139,39 @@ export class Server {
 
   /** Receives messages. @param opened called when they can arrive, at first and after a gap */
   listen(opened: () => void): void {
+    if (this.hasEnded) return;
     const events = new EventSource("events");
     this.events = events;
     events.addEventListener("message", ({data}) => {
       const message = JSON.parse(data as string) as Message;
-      if (message.type === "bye") this.end(message.message);
+      if (message.type === "bye") this.end(`${ENDED} ${message.message}`);
       else this.heard(message);
     });
     events.addEventListener("error", () => {
-      if (events.readyState === EventSource.CLOSED) this.lost();
-      // The browser connects again. If there is no server any more, it would try for ever.
+      if (events.readyState === EventSource.CLOSED) void this.closed(opened);
+      // The browser connects again, and states the last message that it got. If there is no server
+      // any more, it would try for ever.
       else setTimeout(() => void this.probe(), PROBE_AFTER);
     });
     events.addEventListener("open", opened);
+  }
+
+  /** Finds out why the server has answered a request for messages with something else. */
+  private async closed(opened: () => void): Promise<void> {
+    const abort = new AbortController();
+    try {
+      const response = await fetch("events", {cache: "no-store", signal: abort.signal});
+      if (response.ok) setTimeout(() => this.listen(opened), PROBE_AFTER);
+      else {
+        this.end(
+          `isoatlas view does not serve this page: ${await refusalOf(response)}. ` +
+            "Then reload this page.",
+        );
+      }
+    } catch {
+      this.lost();
+    }
+    abort.abort();
   }
 
   private async probe(): Promise<void> {
@@ -148,14 +184,14 @@ export class Server {
   }
 
   private lost(): void {
-    this.end("It does not answer any more.");
+    this.end(`${ENDED} It does not answer any more.`);
   }
 
-  private end(reason: string): void {
+  private end(why: string): void {
     if (this.hasEnded) return;
     this.hasEnded = true;
     this.events?.close();
-    this.ended(reason);
+    this.ended(why);
   }
 
   private async get(name: string, init?: RequestInit): Promise<Response> {
@@ -167,9 +203,15 @@ export class Server {
       throw new Refused("isoatlas view has ended");
     }
     if (response.ok) return response;
-    const {error} = (await response.json().catch(() => ({}))) as {error?: string};
-    throw new Refused(error ?? `${name}: the server answered ${response.status}`);
+    throw new Refused(await refusalOf(response));
   }
+}
+
+/** The line of the server in an answer that is not ok. */
+async function refusalOf(response: Response): Promise<string> {
+  const {error} = (await response.json().catch(() => ({}))) as {error?: string};
+  const name = new URL(response.url).pathname.split("/").slice(2).join("/");
+  return error ?? `${name}: the server answered ${response.status}`;
 }
 
 /** uint32 L, L bytes of JSON, 3 float32 per vertex, 3 uint32 per triangle. */

@@ -51,6 +51,7 @@ export class SliceView {
   private readonly id: string;
   private slice: Slice | null = null;
   private image: ImageData | null = null;
+  private pointer: Point | null = null;  // where it points to while no button is pressed
   private isDrawPending = false;
   frames = 0;
 
@@ -109,7 +110,7 @@ export class SliceView {
       element("div", {class: "view-foot"}, this.slider),
     );
     this.listen();
-    new ResizeObserver(() => this.draw()).observe(this.canvas);
+    new ResizeObserver(() => this.viewChanged()).observe(this.canvas);
   }
 
   private listen(): void {
@@ -128,6 +129,10 @@ export class SliceView {
         wheeled: (event) => this.wheeled(event),
       },
     );
+    // After a drag, the pointer does not move, but no button is pressed any more.
+    canvas.addEventListener("pointerup", ({pointerType, offsetX, offsetY}) => {
+      if (pointerType !== "touch") this.pointedAt({x: offsetX, y: offsetY});
+    });
     canvas.addEventListener("dblclick", () => this.resetView());
     canvas.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -193,7 +198,7 @@ export class SliceView {
       "aria-label",
       `Slice ${this.index} across ${letter}, of 0 to ${last}`,
     );
-    this.draw();
+    this.viewChanged();
   }
 
   /** A slice that was fetched. */
@@ -206,7 +211,7 @@ export class SliceView {
 
   resetView(): void {
     this.frame.reset();
-    this.draw();
+    this.viewChanged();
   }
 
   /** The pixel of a sample of the volume. */
@@ -232,12 +237,18 @@ export class SliceView {
 
   private pan(right: number, down: number): void {
     this.frame.pan(right, down);
-    this.draw();
+    this.viewChanged();
   }
 
   private zoomAt(factor: number, x: number, y: number): void {
     this.frame.zoomAt(factor, x, y);
+    this.viewChanged();
+  }
+
+  /** The picture has changed, and what is under the pointer. */
+  private viewChanged(): void {
     this.draw();
+    this.showPointedAt();
   }
 
   private wheeled(event: WheelEvent): boolean {
@@ -256,6 +267,12 @@ export class SliceView {
   }
 
   private pointedAt(at: Point | null): void {
+    this.pointer = at;
+    this.showPointedAt();
+  }
+
+  private showPointedAt(): void {
+    const at = this.pointer;
     const sample = at && this.sampleAt(at);
     this.readout.value = sample ? this.describe(sample) : "";
     if (!at) return;

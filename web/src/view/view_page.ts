@@ -88,15 +88,18 @@ export class ViewPage {
       volume.unit,
       Math.min(...volume.spacing),
       () => this.selection(),
-      () => this.optionsChanged(true),
+      (options) => (options ? this.optionsChanged(true) : this.saving.updateCommand()),
     );
-    this.saving = new Saving(server, volume.formats, () =>
-      this.meshOptions.isValid ? [...this.options(), ...this.meshOptions.saved()] : null,
+    this.saving = new Saving(
+      server,
+      volume.formats,
+      () => [...this.options(), ...this.meshOptions.saved()],
+      () => this.toCorrect(),
     );
     this.regionFields = new RegionFields(
       this.region,
       volume.size,
-      () => this.regionChanged(true),
+      (extent) => (extent ? this.regionChanged(true) : this.saving.updateCommand()),
       () => {
         this.shared.isRegionEdited = this.regionFields.edited;
         this.updateSlices();
@@ -291,7 +294,21 @@ export class ViewPage {
     return out;
   }
 
+  /** What has fields that cannot be used, for the user; "" if all fields can be used. */
+  private toCorrect(): string {
+    const parts: [string, {isValid: boolean}][] = [
+      ["the isovalue", this.isovalue],
+      ["the choice of components", this.filter],
+      ["the region of interest", this.regionFields],
+      ["the bounds of the mesh", this.meshOptions],
+    ];
+    const invalid = parts.filter(([, part]) => !part.isValid).map(([name]) => name);
+    return new Intl.ListFormat("en").format(invalid);
+  }
+
   private isovalueChanged(how: Change): void {
+    this.saving.updateCommand();
+    if (how === "refused") return;
     this.shared.rule = this.isovalue.rule;
     this.updateSlices();
     // The first digits of a number are another isovalue, whose mesh is not needed.
@@ -398,14 +415,17 @@ export class ViewPage {
     this.saving.heard(message);
   }
 
-  /** The server has ended: slices that are here, and the mesh, can still be viewed. */
-  end(reason: string): void {
+  /**
+   * No messages arrive any more: slices that are here, and the mesh, can still be viewed.
+   * @param why in sentences
+   */
+  end(why: string): void {
     this.hasEnded = true;
     this.follower.stop();
-    this.saving.stopAll();
+    this.saving.stopAll(why);
     this.ended.textContent =
-      `isoatlas view has ended. ${reason} The last mesh and the slices that were shown stay ` +
-      "here; nothing new can be made or saved.";
+      `${why} The last mesh and the slices that were shown stay here; nothing new can be made or ` +
+      "saved.";
     this.ended.hidden = false;
     const needy = document.querySelectorAll<HTMLInputElement>(
       "[data-needs-server] :is(input, select, button)",
