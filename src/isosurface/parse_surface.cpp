@@ -485,7 +485,39 @@ class Parser {
         ++complex_.tunnels;
       }
     }
+    if (has_shared_faces()) split_at_shared_nodes(nodes);
     split_faces(complex_, std::move(nodes), std::move(midpoints), control_);
+  }
+
+  bool has_shared_faces() const {
+    return std::ranges::any_of(options_.shared, [](const auto& s) { return s[0] || s[1]; });
+  }
+  // Whether the lower corner of a cell is a sample of a face that another block has, too, which is
+  // normal to the axis.
+  bool is_on_shared_face(std::size_t at, int axis) const {
+    const auto a = static_cast<std::size_t>(axis);
+    return (options_.shared[a][0] && at == 1) || (options_.shared[a][1] && at == size_[a]);
+  }
+
+  void split_at_shared_nodes(std::vector<SplitNode>& nodes) const {
+    for (std::size_t cz = 0; cz <= size_[2]; ++cz) {
+      control_.check_cancelled();
+      for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
+        const bool in_row = is_on_shared_face(cy, 1), in_slice = is_on_shared_face(cz, 2);
+        for (std::uint32_t i = row_first_[row_of(cy, cz)]; i < row_first_[row_of(cy, cz) + 1];
+             ++i) {
+          const CrossedCell& cell = cells_[i];
+          const std::array<bool, 3> on{is_on_shared_face(cell.x, 0), in_row, in_slice};
+          const std::array<std::size_t, 3> c{cell.x, cy, cz};
+          const unsigned owned = owned_nodes(table_[cell.loops], cell.x, cy, cz);
+          for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            if (((owned >> axis) & 1) != 0 && (on[(a + 1) % 3] || on[(a + 2) % 3]))
+              nodes.push_back(node_on(c, values(c), 4 * axis, false));
+          }
+        }
+      }
+    }
   }
 
   void split_double_segments(const DoubleFace& d, std::vector<SplitNode>& nodes,

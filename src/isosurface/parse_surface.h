@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "isoatlas/volume.h"
 
 namespace isoatlas::detail {
+
+/// Faces of a box: per axis, the one at the first sample and the one at the last.
+using SharedFaces = std::array<std::array<bool, 2>, 3>;
 
 struct ParseOptions {
   InsideRule rule;
@@ -22,6 +26,11 @@ struct ParseOptions {
   /// Points beyond the volume are not inside: the surface is closed by faces on the volume
   /// boundary.
   bool closed = false;
+  /// Faces that the volume, a block of a larger one, shares with other blocks. There, each node is
+  /// a c-vertex, so that the c-vertices and boundary sides of a face depend on its samples alone:
+  /// both blocks have the same ones. Otherwise nodes would become c-vertices where only one of the
+  /// blocks needs them. @pre not closed
+  SharedFaces shared{};
 };
 
 /// Where the surface crosses a grid edge along z.
