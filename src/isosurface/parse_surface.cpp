@@ -21,6 +21,7 @@
 
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
+#include "core/ranges.h"
 #include "core/saddle_sign.h"
 #include "core/vector_math.h"
 #include "field/field.h"
@@ -490,7 +491,7 @@ class Parser {
   }
 
   bool has_shared_faces() const {
-    return std::ranges::any_of(options_.shared, [](const auto& s) { return s[0] || s[1]; });
+    return ranges::any_of(options_.shared, [](const auto& s) { return s[0] || s[1]; });
   }
   // Whether the lower corner of a cell is a sample of a face that another block has, too, which is
   // normal to the axis.
