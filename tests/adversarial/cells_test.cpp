@@ -57,7 +57,7 @@ TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
 // A selection of the 2^27 patterns, without and with a layer of equal samples around them.
 TEST(Adversarial, SignPatternsOfThreeByThreeByThree) {
   Random random(13);
-  const int count = many() ? 2'000 : 500;
+  const int count = is_night() ? 4'000 : many() ? 2'000 : 500;
   for (int k = 0; k < count; ++k) {
     const auto pattern = static_cast<std::uint32_t>(random.bits() & ((1u << 27) - 1) &
                                                     (k % 3 == 0 ? random.bits() : ~0ull));
@@ -82,12 +82,12 @@ TEST(Adversarial, WhiteNoise) {
   }
 }
 
-TEST(Adversarial, WhiteNoise48) {
-  if (!many()) GTEST_SKIP() << "takes a minute; ISOATLAS_ADVERSARIAL=many";
-  const Volume volume = to_volume(random_samples(Family::white_noise, {48, 48, 48}, 22));
+TEST(Adversarial, WhiteNoise64) {
+  if (!is_night()) GTEST_SKIP() << "takes minutes; ISOATLAS_ADVERSARIAL=night";
+  const Volume volume = to_volume(random_samples(Family::white_noise, {64, 64, 64}, 22));
   const Extraction e = expect_sound(volume, default_levels(volume, 0), "white noise");
-  EXPECT_GT(e.report.reference.genus, 4000);
-  EXPECT_GT(e.report.tunnels, 400u);
+  EXPECT_GT(e.report.reference.genus, 10'000);
+  EXPECT_GT(e.report.tunnels, 1000u);
 }
 
 }  // namespace

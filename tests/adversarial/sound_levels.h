@@ -15,10 +15,16 @@
 
 namespace isoatlas::detail::test {
 
-/// True if ISOATLAS_ADVERSARIAL=many is in the environment: run all patterns, which takes minutes.
+/// True if ISOATLAS_ADVERSARIAL=night is in the environment: scripts/nightly.sh.
+inline bool is_night() {
+  const char* const value = std::getenv("ISOATLAS_ADVERSARIAL");
+  return value != nullptr && std::string(value) == "night";
+}
+/// True then, or if ISOATLAS_ADVERSARIAL=many is in the environment: run many patterns, which takes
+/// minutes.
 inline bool many() {
   const char* const value = std::getenv("ISOATLAS_ADVERSARIAL");
-  return value != nullptr && std::string(value) == "many";
+  return is_night() || (value != nullptr && std::string(value) == "many");
 }
 
 inline ExtractOptions default_levels(const VolumeView& volume, double isovalue,
