@@ -363,7 +363,7 @@ class Clang(unittest.TestCase):
             top = pathlib.Path(folder)
             run(CMAKE, "-S", ROOT, "-B", top / "build", "-G", "Ninja",
                 "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_CXX_COMPILER={compiler}",
-                "-DCMAKE_CXX_FLAGS_RELEASE=-O1", "-DCMAKE_CXX_FLAGS=-stdlib=libc++",
+                "-DCMAKE_CXX_FLAGS_RELEASE=-O0", "-DCMAKE_CXX_FLAGS=-stdlib=libc++",
                 "-DISOATLAS_WARNINGS_AS_ERRORS=ON", "-DISOATLAS_UNITY_BUILD=ON",
                 "-DISOATLAS_BUILD_IO=OFF", "-DISOATLAS_BUILD_TOOL=OFF",
                 "-DISOATLAS_BUILD_TESTS=OFF", "-DISOATLAS_BUILD_PAGE=OFF")
