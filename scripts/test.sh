@@ -11,10 +11,9 @@ scripts/install_dependencies.sh test
 cmake --preset release -DISOATLAS_BUILD_TESTS=ON -DISOATLAS_BUILD_PYTHON=ON \
   -DISOATLAS_UNITY_BUILD=ON
 cmake --build --preset release
-jobs=$(($(nproc) + 1))  # browsers and downloads often wait
 if [ "${1:-}" = --all ]; then
   shift
-  ctest --test-dir build/release --output-on-failure -j "$jobs" "$@"
+  ctest --test-dir build/release --output-on-failure -j "$(nproc)" "$@"
 else
-  ctest --preset release -j "$jobs" "$@"
+  ctest --preset release -j "$(nproc)" "$@"
 fi
