@@ -96,12 +96,17 @@ Saver::Saver(fs::path folder, Events& events) : folder_(std::move(folder)), even
 Saver::~Saver() { end(); }
 
 void Saver::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    has_ended_ = true;
+  }
   stop();
   if (thread_.joinable()) thread_.join();
 }
 
 void Saver::save(std::int64_t request, std::vector<std::string> words) {
   const std::lock_guard lock(mutex_);
+  if (has_ended_) throw Error(ErrorCode::bad_argument, "isoatlas view is ending");
   if (current_)
     throw Error(ErrorCode::bad_argument, "another mesh is being saved; wait for it or cancel it");
   if (thread_.joinable()) thread_.join();

@@ -36,7 +36,7 @@ class Saver {
 
   /// Starts a command; messages report its progress and its end.
   /// @param words  of the command line, ending in "-o" and the name of the file
-  /// @throws Error(bad_argument) if another one runs
+  /// @throws Error(bad_argument) if another one runs, or after end()
   void save(std::int64_t request, std::vector<std::string> words);
 
   /// Stops a command, if it still runs.
@@ -44,7 +44,7 @@ class Saver {
 
   /// Stops any command, without a message. May be called from another thread.
   void stop();
-  /// Stops any command and waits for its end. Nothing can be saved any more.
+  /// Stops any command and waits for its end. Later save() are refused: the server still answers.
   void end();
 
   std::optional<Saved> file(std::uint64_t id) const;
@@ -69,6 +69,7 @@ class Saver {
   std::optional<std::int64_t> current_;
   pid_t process_ = -1;
   bool was_cancelled_ = false;
+  bool has_ended_ = false;
   std::thread thread_;
 };
 
