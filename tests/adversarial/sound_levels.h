@@ -15,17 +15,14 @@
 
 namespace isoatlas::detail::test {
 
-/// True if ISOATLAS_ADVERSARIAL=night is in the environment: scripts/nightly.sh.
-inline bool is_night() {
+inline std::string wanted_patterns() {
   const char* const value = std::getenv("ISOATLAS_ADVERSARIAL");
-  return value != nullptr && std::string(value) == "night";
+  return value != nullptr ? value : "";
 }
-/// True then, or if ISOATLAS_ADVERSARIAL=many is in the environment: run many patterns, which takes
-/// minutes.
-inline bool many() {
-  const char* const value = std::getenv("ISOATLAS_ADVERSARIAL");
-  return is_night() || (value != nullptr && std::string(value) == "many");
-}
+/// ISOATLAS_ADVERSARIAL=night, as scripts/nightly.sh sets it: all patterns.
+inline bool is_night() { return wanted_patterns() == "night"; }
+/// ISOATLAS_ADVERSARIAL=many, or at night: many patterns, which take minutes.
+inline bool many() { return is_night() || wanted_patterns() == "many"; }
 
 inline ExtractOptions default_levels(const VolumeView& volume, double isovalue,
                                      Inside inside = Inside::above) {
