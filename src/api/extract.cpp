@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "api/choose_components.h"
+#include "api/extract_block.h"
 #include "api/ladder.h"
 #include "api/resolve_options.h"
 #include "complex/coarsen.h"
@@ -192,16 +193,41 @@ void omit_coarse_level(Extraction& extraction) {
             hierarchy.parent.begin() + hierarchy.levels.front().vertex_count, 0u);
 }
 
-}  // namespace
+void check_options_of_block(const ExtractOptions& options) {
+  const auto require_whole = [](bool possible, const char* what) {
+    if (!possible)
+      throw Error(ErrorCode::unsupported, std::string(what) + " cannot be had in blocks");
+  };
+  require_whole(options.surface.interpolation == Interpolation::trilinear,
+                "tricubic interpolation, which needs samples beyond a block,");
+  require_whole(options.supersample == 1, "supersampling");
+  require_whole(options.covering.strategy != CoveringStrategy::halving,
+                "a covering by halving, which has no vertices that are given,");
+  require_whole(options.border == Border::open, "a surface closed on the volume boundary");
+  require_whole(!options.components.selects(), "a choice of components");
+  require_whole(!options.allow_self_intersections, "a mesh with self-intersections");
+  require_whole(options.levels == 0, "a number of levels");
+  require_whole(options.measure_samples == 0, "a measurement of distances");
+  require_whole(options.space == Space::voxel, "another space than that of the samples");
+  for (const LevelGoal& goal : options.refine)
+    require_whole(ranges::none_of(goal,
+                                  [](const Constraint& c) {
+                                    return c.quantity == Quantity::max_vertices ||
+                                           c.quantity == Quantity::min_vertices;
+                                  }),
+                  "a bound on the number of vertices");
+}
 
-Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_options,
-                   const RunControl& caller_control) try {
+// @param block  null: the volume is whole
+Extraction extract_any(const VolumeView& any_volume, const ExtractOptions& any_options,
+                       const BlockPlace* block, const RunControl& caller_control) try {
   ExtractOptions options = in_world(any_options, any_volume.grid);
   const RunControl control = with_whole_progress(caller_control, stage_shares(options));
   check_volume(any_volume, options.surface.isovalue);
   const Volume dense = dense_volume(any_volume);
   const VolumeView& volume = dense.view;
   check_options(options);
+  if (block) check_options_of_block(options);
   // Bounds and distances are world lengths; the coarse mesh alone needs none.
   const bool only_coarse =
       options.refine.empty() && options.measure_samples == 0 && options.coarse.empty();
@@ -226,8 +252,15 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   parse.interpolation = options.surface.interpolation;
   parse.supersample = options.supersample;
   parse.vertices_on_surface = options.vertices_on_surface;
+  SharedBox shared;
+  if (block) {
+    const auto last = [&](std::size_t axis) { return static_cast<double>(grid.size[axis] - 1); };
+    shared = {{{last(0), last(1), last(2)}}, bits_of(block->shared)};
+    parse.shared = block->shared;
+  }
   std::vector<VerticalNode> nodes;
   SurfaceComplex whole = parse_surface(in_voxels, parse, control, &nodes);
+  if (whole.faces.empty() && block) return out;
   if (whole.faces.empty()) throw_empty_surface(volume, options.surface.isovalue);
   clock.finished("surface");
 
@@ -257,7 +290,7 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   AdaptiveSurface surface(
       std::move(whole), std::move(reference), std::move(nesting),
       InterpolatedField(in_voxels, parse.rule, options.surface.interpolation, options.supersample),
-      control, std::move(caps));
+      control, std::move(caps), shared);
   clock.finished("components");
 
   double longest = 0;
@@ -273,10 +306,10 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
 
   control.report("coarsen", 0);
   const double cell = 1.0 / options.supersample;  // side of a cell of the parsed grid, in voxels
-  const double block = std::min(kBlockVoxels * cell, max_radius / kBlocksPerRadius);
+  const double side = std::min(kBlockVoxels * cell, max_radius / kBlocksPerRadius);
   Coarsened coarser;
-  if (block >= kMinBlockVoxels * cell) {
-    coarser = coarsen(surface.complex(), block, control);
+  if (side >= kMinBlockVoxels * cell) {
+    coarser = coarsen(surface.complex(), side, control);
     report.coarsening = coarser.certificate;
     report.coarser_c_vertices.push_back(coarser.complex.positions.size());
   }
@@ -289,8 +322,10 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
                                 ? voxels(options.covering.event_persistence->value)
                                 : default_persistence(options.covering.strategy);
   cover.first_stage = static_cast<float>(4 * cell);
-  auto mesher = std::make_unique<CoarseMesher>(
-      surface, coarser, cover, options, OutputPositions(grid, options.space, options.supersample));
+  const OutputPositions output_positions =
+      block ? OutputPositions(block->whole, block->space, 1, block->first)
+            : OutputPositions(grid, options.space, options.supersample);
+  auto mesher = std::make_unique<CoarseMesher>(surface, coarser, cover, options, output_positions);
   mesher->cover(control);
   clock.finished("cover");
 
@@ -331,7 +366,8 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   if (only_coarse) return out;
 
   control.report("refine", 0);
-  LevelMaker maker({grid, surface, *isosurface, coarser, cover, level}, options, control);
+  LevelMaker maker({grid, surface, *isosurface, coarser, cover, level, output_positions}, options,
+                   control);
   maker.describe_coarse(hierarchy, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
   fill_subdivision_report();
@@ -344,4 +380,20 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   throw Error(ErrorCode::out_of_memory, "this surface is too large for memory");
 }
 
+}  // namespace
+
+Extraction extract(const VolumeView& volume, const ExtractOptions& options,
+                   const RunControl& control) {
+  return extract_any(volume, options, nullptr, control);
+}
+
 }  // namespace isoatlas
+
+namespace isoatlas::detail {
+
+Extraction extract_block(const VolumeView& block, const ExtractOptions& options,
+                         const BlockPlace& place, const RunControl& control) {
+  return extract_any(block, options, &place, control);
+}
+
+}  // namespace isoatlas::detail

@@ -289,7 +289,9 @@ SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& part
     const CellId a = partition.cell_of[s.from], b = partition.cell_of[s.to];
     if (a == b) continue;
     out.boundary.push_back({a, b});
-    out.on_boundary[a] = out.on_boundary[b] = 1;
+    for (const CellId c : {a, b})
+      out.on_boundary[c] =
+          std::max<std::uint8_t>(kOnBoundary, complex.on_boundary[partition.site[c]]);
   }
   return out;
 }

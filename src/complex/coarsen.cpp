@@ -139,6 +139,7 @@ class BlockRegions {
   }
 
   std::uint64_t block_at(CVertexId v, int level) const {
+    if (complex_.on_boundary[v] == kOnSharedFace) return kSingle | v;
     const Vec3 p = scaled(complex_.positions[v], scale_);
     const double halvings = std::ldexp(1.0, level);
     const auto index = [&](double x) {
@@ -181,6 +182,8 @@ class BlockRegions {
   std::vector<std::uint8_t> failed_;     // per region
   std::vector<std::uint8_t> was_split_;  // per c-vertex, 1 if its region was split last time
   std::vector<PairFault> faulty_single_pairs_;
+  // Of a c-vertex that is always a region of its own; other block numbers have 63 bits.
+  static constexpr std::uint64_t kSingle = std::uint64_t{1} << 63;
   Vec3 scale_;      // blocks per unit of the sample index
   int levels_ = 1;  // from this level on, regions are single c-vertices
 };

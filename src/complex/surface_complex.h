@@ -25,6 +25,15 @@ struct BoundarySide {
   CVertexId from, to;
 };
 
+/// Values of SurfaceComplex::on_boundary.
+enum BoundaryKind : std::uint8_t {
+  kInterior,
+  kOnBoundary,
+  /// On a face that the volume, a block of a larger one, shares with other blocks. Such c-vertices
+  /// are vertices of every mesh and never move, so that the meshes of both blocks fit.
+  kOnSharedFace,
+};
+
 /// A compact oriented 2-manifold with boundary, as a polygon complex: the dual of the isosurface's
 /// surfels after parsing (one c-vertex per surfel, one face per node), and again the dual of any
 /// certified partition of another complex.
@@ -43,7 +52,7 @@ struct SurfaceComplex {
   Vec3 spacing{1, 1, 1};        ///< metric vector = spacing * difference of positions
   std::vector<Vec3> positions;  ///< per c-vertex, sample-index coordinates, of the upsampled
                                 ///< samples if these were parsed
-  std::vector<std::uint8_t> on_boundary;  ///< per c-vertex, 1 if it is on a boundary loop
+  std::vector<std::uint8_t> on_boundary;  ///< per c-vertex, a BoundaryKind
   std::vector<Face> faces;
   std::vector<BoundarySide> boundary;
   std::size_t double_segments =

@@ -47,13 +47,14 @@ GridCell grid_cell_of_face(const SurfaceComplex& complex, const Face& face) {
 
 AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
                                  InterpolatedField field, const RunControl& control,
-                                 std::optional<CapReference> caps)
+                                 std::optional<CapReference> caps, const SharedBox& shared)
     : complex_(with_rounded_positions(std::move(complex))),
       components_(std::move(components)),
       nesting_(std::move(nesting)),
       field_(std::move(field)),
       control_(without_stages(control)),
       caps_(std::move(caps)),
+      shared_(shared),
       multi_sheet_cells_(complex_, field_, control_),
       parsed_count_(complex_.c_vertex_count()),
       depth_(parsed_count_, 0) {

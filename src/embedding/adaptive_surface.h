@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
@@ -25,15 +26,17 @@ class AdaptiveSurface {
   ///      cell would intersect.
   /// @param control  for cancellation and progress, here and in subdivide()
   /// @param caps     present if meshes of the surface are closed by caps on the volume boundary
+  /// @param shared   faces that the volume shares with other blocks, as in ParseOptions
   AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
                   InterpolatedField field, const RunControl& control = {},
-                  std::optional<CapReference> caps = {});
+                  std::optional<CapReference> caps = {}, const SharedBox& shared = {});
 
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
   const Nesting& nesting() const { return nesting_; }  ///< of the components
   /// What the capped surface has to be; null if the surface stays open.
   const CapReference* caps() const { return caps_ ? &*caps_ : nullptr; }
+  const SharedBox& shared_faces() const { return shared_; }
   const InterpolatedField& field() const { return field_; }
   /// Per c-vertex, the position on the surface where it was first placed, before any move;
   /// sample-index coordinates.
@@ -64,8 +67,16 @@ class AdaptiveSurface {
 
   /// Whether a vertex may be displaced from this c-vertex: within the grid cell, or on the wall or
   /// edge that it is on. Callers must also check the result of find_conflicting_moves(). Those on
-  /// the boundary of a capped surface are not movable.
-  bool is_movable(CVertexId v) const { return !fixed_[v] && !(caps_ && complex_.on_boundary[v]); }
+  /// the boundary of a capped surface and on shared faces are not movable.
+  bool is_movable(CVertexId v) const {
+    return !fixed_[v] && complex_.on_boundary[v] < (caps_ ? kOnBoundary : kOnSharedFace);
+  }
+  /// Whether an edge between two vertices at these c-vertices could be on a face of the volume's
+  /// box where the mesh must not have other edges than its boundary.
+  bool could_be_on_closed_face(CVertexId a, CVertexId b) const {
+    const std::uint8_t least = std::min(complex_.on_boundary[a], complex_.on_boundary[b]);
+    return least >= (caps_ ? kOnBoundary : kOnSharedFace);
+  }
   /// Finds the moves that must be reverted because surfels or pieces in a grid cell would
   /// intersect. After reverting them there are no such intersections, if there were none before.
   /// @param moved      c-vertices, each once
@@ -99,6 +110,7 @@ class AdaptiveSurface {
   InterpolatedField field_;
   RunControl control_;
   std::optional<CapReference> caps_;
+  SharedBox shared_;
   MultiSheetCells multi_sheet_cells_;
   CheckedCells checked_cells_;
   std::vector<GridCell> grid_cells_with_small_pieces_;  // grid cells with pieces of pieces

@@ -7,43 +7,11 @@
 
 #include "core/disjoint_sets.h"
 #include "core/ranges.h"
+#include "embedding/edges_on_box.h"
 #include "geometry/triangulate_region.h"
 
 namespace isoatlas::detail {
 namespace {
-
-// A half-edge between two vertices on the volume boundary.
-struct EdgeOnBox {
-  std::uint32_t from, to;
-  bool is_boundary;  // no triangle has it in the other direction
-};
-
-std::vector<EdgeOnBox> edges_on_box(std::span<const std::uint8_t> faces_of,
-                                    std::span<const Triangle> triangles) {
-  std::vector<EdgeOnBox> out;
-  for (const Triangle& t : triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      if (faces_of[a] != 0 && faces_of[b] != 0) out.push_back({a, b, false});
-    }
-  }
-  const auto before = [](const EdgeOnBox& a, const EdgeOnBox& b) {
-    return std::pair(a.from, a.to) < std::pair(b.from, b.to);
-  };
-  ranges::sort(out, before);
-  for (EdgeOnBox& edge : out) {
-    const EdgeOnBox opposite{edge.to, edge.from, false};
-    edge.is_boundary = !std::binary_search(out.begin(), out.end(), opposite, before);
-  }
-  return out;
-}
-
-std::vector<std::uint8_t> faces_of_vertices(std::span<const Vec3> positions, const BoxFaces& box) {
-  std::vector<std::uint8_t> out;
-  out.reserve(positions.size());
-  for (const Vec3& p : positions) out.push_back(static_cast<std::uint8_t>(box.containing(p)));
-  return out;
-}
 
 // Caps the six faces of the box.
 class Capper {

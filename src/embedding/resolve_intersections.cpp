@@ -8,6 +8,7 @@
 #include "core/ranges.h"
 #include "core/whole_progress.h"
 #include "embedding/caps.h"
+#include "embedding/seams.h"
 #include "geometry/mesh_nesting.h"
 
 namespace isoatlas::detail {
@@ -91,6 +92,12 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
     const bool is_embedded = cells.empty();
     if (is_embedded) cells = find_misplaced_vertices(dual, surface, positions, triangles, control);
     if (caps != nullptr) add_uncapped_vertices(dual, surface, positions, triangles, cells);
+    if (surface.shared_faces().faces != 0) {
+      const std::vector<CellId> found = vertices_that_prevent_seams(
+          positions, triangles, dual.sites_on_surface(), surface.complex(), surface.shared_faces());
+      cells.insert(cells.end(), found.begin(), found.end());
+      ranges::sort_unique(cells);
+    }
     const std::vector<CellId> single = covering.shrink(cells);
     covering.cover(
         control);  // also covers what repair_first() has left uncovered by lowering radii

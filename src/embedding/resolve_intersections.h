@@ -47,7 +47,8 @@ struct ResolvedIntersections {
 /// resolved remain.
 ///
 /// If the surface is to be capped, Voronoi cells on the volume boundary become smaller until the
-/// caps exist and have the right topology.
+/// caps exist and have the right topology. In a block, those on shared faces become smaller until
+/// the meshes of neighbouring blocks can only share their seams.
 ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface,
                                             IntersectionTracker& tracker,
                                             const RunControl& control);

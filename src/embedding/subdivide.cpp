@@ -208,13 +208,18 @@ class Subdivider {
   }
   bool is_marked(CVertexId a, CVertexId b) const {
     const Target largest = std::max(targets_[a], targets_[b]);
-    if (largest == Target::nothing) return false;
+    if (largest == Target::nothing || is_on_shared_face(a, b)) return false;
     if (crosses_wall(complex_, a, b))
       return largest >= Target::pieces || needs_point_on_wall(complex_, in_, a, b);
     // Triangles that are not in one grid cell yet are split at walls first.
     return largest == Target::smaller_pieces &&
            squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) >
                kShortestSplitSide * kShortestSplitSide;
+  }
+
+  // Both blocks have such a side, so it stays as it is. It is in one grid face.
+  bool is_on_shared_face(CVertexId a, CVertexId b) const {
+    return complex_.on_boundary[a] == kOnSharedFace && complex_.on_boundary[b] == kOnSharedFace;
   }
 
   CVertexId add_c_vertex(Vec3 position, CVertexId origin, bool on_boundary) {

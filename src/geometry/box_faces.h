@@ -32,4 +32,23 @@ struct BoxFaces {
   }
 };
 
+/// Faces of a box: per axis, the one at the first sample and the one at the last.
+using SharedFaces = std::array<std::array<bool, 2>, 3>;
+
+/// Bit 2 * a + s is set for face s of axis a, as in BoxFaces::containing().
+constexpr unsigned bits_of(const SharedFaces& faces) {
+  unsigned out = 0;
+  for (unsigned a = 0; a < 3; ++a)
+    for (unsigned s = 0; s < 2; ++s) out |= faces[a][s] ? 1u << (2 * a + s) : 0;
+  return out;
+}
+
+/// The faces of a block that it shares with other blocks.
+struct SharedBox {
+  BoxFaces box;
+  unsigned faces = 0;  ///< see bits_of()
+
+  unsigned containing(const Vec3& p) const { return box.containing(p) & faces; }
+};
+
 }  // namespace isoatlas::detail

@@ -43,8 +43,9 @@ Vec3 float32_origin(const Grid& grid, Space space) {
   return float32_origin_of(box_of(grid, space));
 }
 
-OutputPositions::OutputPositions(const Grid& grid, Space space, std::uint32_t supersample)
-    : grid_(grid), space_(space), steps_(supersample) {
+OutputPositions::OutputPositions(const Grid& grid, Space space, std::uint32_t supersample,
+                                 Vec3 first)
+    : grid_(grid), space_(space), steps_(supersample), first_(first) {
   std::vector<Vec3> origins{Vec3{}};
   if (const Vec3 other = float32_origin(grid, space); other != Vec3{}) origins.push_back(other);
   const Bounds box = box_of(grid, space);
@@ -62,7 +63,8 @@ OutputPositions::OutputPositions(const Grid& grid, Space space, std::uint32_t su
 }
 
 Vec3 OutputPositions::output_position(Vec3 index) const {
-  return to_space(grid_, space_, {index.x / steps_, index.y / steps_, index.z / steps_});
+  const Vec3 in_block{index.x / steps_, index.y / steps_, index.z / steps_};
+  return to_space(grid_, space_, first_ + in_block);
 }
 
 Vec3 OutputPositions::in_form(std::size_t form, Vec3 index) const {

@@ -26,7 +26,8 @@ class OutputPositions {
   /// Form 0 equals the sample-index coordinates.
   OutputPositions() = default;
   /// @param supersample  indices refer to this many samples per sample of the grid
-  OutputPositions(const Grid& grid, Space space, std::uint32_t supersample);
+  /// @param first        the sample of the grid that has index 0: not 0 for a block of a volume
+  OutputPositions(const Grid& grid, Space space, std::uint32_t supersample, Vec3 first = {});
 
   Vec3 output_position(Vec3 index) const;  ///< form 0
   std::size_t form_count() const { return 1 + float32_origins_.size(); }
@@ -40,6 +41,7 @@ class OutputPositions {
   Grid grid_;
   Space space_ = Space::voxel;
   double steps_ = 1;
+  Vec3 first_;
   std::vector<Vec3> float32_origins_;
   double max_rounding_ = 0;
 };

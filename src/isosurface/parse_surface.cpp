@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 
@@ -26,6 +27,7 @@
 #include "core/vector_math.h"
 #include "field/field.h"
 #include "field/upsampled_field.h"
+#include "geometry/box_faces.h"
 #include "isosurface/cell_loops.h"
 #include "isosurface/cell_points.h"
 #include "isosurface/contains_tunnel.h"
@@ -85,6 +87,14 @@ class VolumeField : public Field<T> {
   std::array<std::size_t, 3> size_;
 };
 
+// Rounds coordinates within a grid cell, so that adding the cell's index is exact and a position
+// does not depend on where the volume begins: blocks have the same positions on shared faces.
+Vec3 rounded_in_cell(Vec3 p) {
+  constexpr double kScale = 0x1p32;
+  const auto round = [](double x) { return std::round(x * kScale) / kScale; };
+  return {round(p.x), round(p.y), round(p.z)};
+}
+
 template <class Samples>
 class Parser {
  public:
@@ -120,6 +130,7 @@ class Parser {
       if (nodes_ != nullptr) nodes_->insert(nodes_->end(), s.nodes.begin(), s.nodes.end());
     }
     split_irregular_faces();
+    if (has_shared_faces()) mark_shared_c_vertices();
     complex_.positions.shrink_to_fit();
     complex_.on_boundary.shrink_to_fit();
     complex_.faces.shrink_to_fit();
@@ -356,6 +367,7 @@ class Parser {
             p = clamp_off_walls(p);  // all nodes of a surfel of an annulus may be on one wall
           if (options_.vertices_on_surface && !keep_average) p = onto_surface(f, p, spacing_);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
+          p = rounded_in_cell(p);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y,
                                     low[2] + width[2] * p.z};
           complex_.on_boundary[id] = layer && !options_.closed;
@@ -493,6 +505,17 @@ class Parser {
   bool has_shared_faces() const {
     return ranges::any_of(options_.shared, [](const auto& s) { return s[0] || s[1]; });
   }
+  void mark_shared_c_vertices() {
+    const auto last = [&](std::size_t a) { return static_cast<double>(size_[a] - 1); };
+    const BoxFaces box{{last(0), last(1), last(2)}};
+    const unsigned shared = bits_of(options_.shared);
+    for (CVertexId v = 0; v < complex_.c_vertex_count(); ++v) {
+      if (complex_.on_boundary[v] != kInterior &&
+          (box.containing(complex_.positions[v]) & shared) != 0)
+        complex_.on_boundary[v] = kOnSharedFace;
+    }
+  }
+
   // Whether the lower corner of a cell is a sample of a face that another block has, too, which is
   // normal to the axis.
   bool is_on_shared_face(std::size_t at, int axis) const {
@@ -551,7 +574,7 @@ class Parser {
   // The node on an edge of cell c with the values f.
   SplitNode node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge,
                     bool is_cut) const {
-    const Vec3 p = node_in_cell(f, edge);
+    const Vec3 p = rounded_in_cell(node_in_cell(f, edge));
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];
       const double low = static_cast<double>(sample_of(at, axis));

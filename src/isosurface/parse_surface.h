@@ -7,13 +7,11 @@
 
 #include "complex/surface_complex.h"
 #include "field/classify.h"
+#include "geometry/box_faces.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
 namespace isoatlas::detail {
-
-/// Faces of a box: per axis, the one at the first sample and the one at the last.
-using SharedFaces = std::array<std::array<bool, 2>, 3>;
 
 struct ParseOptions {
   InsideRule rule;
@@ -28,8 +26,8 @@ struct ParseOptions {
   bool closed = false;
   /// Faces that the volume, a block of a larger one, shares with other blocks. There, each node is
   /// a c-vertex, so that the c-vertices and boundary sides of a face depend on its samples alone:
-  /// both blocks have the same ones. Otherwise nodes would become c-vertices where only one of the
-  /// blocks needs them. @pre not closed
+  /// both blocks have the same ones, kOnSharedFace. Otherwise nodes would become c-vertices where
+  /// only one of the blocks needs them. @pre not closed
   SharedFaces shared{};
 };
 

@@ -80,9 +80,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       refiner_(
           source.surface, source.isosurface, source.coarser, source.options,
           {source.coarse.site, source.coarse.radius, source.coarse.placement, is_complete(options)},
-          options.allow_self_intersections
-              ? std::nullopt
-              : std::optional(OutputPositions(source.grid, options.space, options.supersample)),
+          options.allow_self_intersections ? std::nullopt : std::optional(source.output_positions),
           options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_output_space(Vec3 index) const {

@@ -17,6 +17,7 @@ struct LevelSource {
   const Coarsened& coarser;
   const CoveringOptions& options;
   const CoarseLevel& coarse;
+  const OutputPositions& output_positions;
 };
 
 /// Describes the coarse level and adds the refined ones: each is checked, measured if requested,

@@ -59,14 +59,10 @@ bool ShapeChanges::are_neighbours(CellId a, CellId b) const {
   });
 }
 
-// Whether an edge between two vertices could be in a cap.
-bool ShapeChanges::would_touch_a_cap(CellId a, CellId b) const {
-  const SurfaceData& data = mesh_.surface_data();
-  if (data.adaptive_surface == nullptr || data.adaptive_surface->caps() == nullptr) return false;
-  const auto is_on_boundary = [&](CellId c) {
-    return data.graph.on_boundary[mesh_.placement().anchor[c]] != 0;
-  };
-  return is_on_boundary(a) && is_on_boundary(b);
+bool ShapeChanges::could_be_on_closed_face(CellId a, CellId b) const {
+  const AdaptiveSurface* const surface = mesh_.surface_data().adaptive_surface;
+  const std::vector<CVertexId>& anchor = mesh_.placement().anchor;
+  return surface != nullptr && surface->could_be_on_closed_face(anchor[a], anchor[b]);
 }
 
 void ShapeChanges::find_best_flip(std::uint32_t i, std::optional<double> min_gain,
@@ -79,7 +75,7 @@ void ShapeChanges::find_best_flip(std::uint32_t i, std::optional<double> min_gai
     if (j == kNone || !is_flippable(a) || !is_flippable(b) || !is_flippable(c) || !is_flippable(d))
       continue;
     if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3 ||
-        are_neighbours(c, d) || would_touch_a_cap(c, d))
+        are_neighbours(c, d) || could_be_on_closed_face(c, d))
       continue;
     const Vec3 pa = mesh.point[a], pb = mesh.point[b], pc = mesh.point[c], pd = mesh.point[d];
     const double after = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));

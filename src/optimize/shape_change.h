@@ -49,7 +49,7 @@ class ShapeChanges {
   using Key = std::pair<std::uint64_t, std::uint64_t>;
   static Key key(const ShapeChange& change);
   bool is_rejected(const ShapeChange& change) const;
-  bool would_touch_a_cap(CellId a, CellId b) const;
+  bool could_be_on_closed_face(CellId a, CellId b) const;
   bool is_flippable(CellId c) const { return include_fixed_ || mesh_.placement().is_flippable(c); }
   std::pair<std::uint32_t, CellId> opposite(CellId a, CellId b) const;
   bool are_neighbours(CellId a, CellId b) const;

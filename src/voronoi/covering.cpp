@@ -268,8 +268,12 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
     if (ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
   }
   propagate_radii(front, control);
+  add_seeds(sites, control);
+  raise_radii_to_cover(control);
+}
 
-  front.clear();
+void Covering::add_seeds(std::span<const CVertexId> sites, const RunControl& control) {
+  MonotoneQueue front;
   for (const CVertexId v : sites) {
     distance_[v] = 0;
     partition_.cell_of[v] = site_count();
@@ -278,7 +282,19 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
     front.push(length_key(0, v));
   }
   propagate_distances(front, control);
-  raise_radii_to_cover(control);
+}
+
+void Covering::start_with(std::span<const CVertexId> sites, float radius,
+                          const RunControl& control) {
+  std::vector<Radius> radii;
+  for (const CVertexId v : sites) radii.push_back({v, radius});
+  lower_radii(radii, control);
+  add_seeds(sites, control);
+  for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
+    if (partition_.cell_of[v] == kNone) continue;
+    ++reached_;
+    if (!is_covered(v)) enqueue(v);
+  }
 }
 
 void Covering::adapt_to(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites,

@@ -57,6 +57,11 @@ class Covering {
   void seed(std::span<const CVertexId> sites, std::span<const Radius> radii,
             const RunControl& control = {});
 
+  /// Makes these c-vertices the first sites, in this order, with disks of the given radius. Nothing
+  /// else is covered yet; see cover(). @pre no site was inserted yet
+  /// @cost  one search from all of them
+  void start_with(std::span<const CVertexId> sites, float radius, const RunControl& control = {});
+
   /// Adapts the covering to a graph that has the old c-vertices and more. Radii are kept; they are
   /// raised where a c-vertex would not be covered. Same result as seed() with these radii, but only
   /// the neighbourhood of changed rows and of sites that moved is processed.
@@ -128,6 +133,7 @@ class Covering {
   void cover_groups(const ComponentGraphs& groups, const RunControl& control);
   template <class Queue>
   void propagate_radii(Queue& front, const RunControl& control);
+  void add_seeds(std::span<const CVertexId> sites, const RunControl& control);
   void propagate_distances(MonotoneQueue& front, const RunControl& control);
   void raise_radii_to_cover(const RunControl& control);
   void raise_radii(std::span<const CVertexId> uncovered, const RunControl& control);
