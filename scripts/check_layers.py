@@ -35,6 +35,8 @@ PUBLIC = {
     "options.h": "levels",
     "report.h": "levels",
     "extract.h": "api",
+    "blocks.h": "api",
+    "block_file.h": "stored",
     "isoatlas.h": "api",
     "text_file.h": "files",
     "volume_file.h": "volume_files",
@@ -45,7 +47,8 @@ PUBLIC = {
 PRIVATE_LIBRARIES = {
     r"tbb/": {"core"},
     r"itk": set(),
-    r"(dcmtk|charls|openjpeg|nifti|tiff|png|openssl/)": {"volume_files"},
+    r"(dcmtk|charls|openjpeg|nifti|tiff|png)": {"volume_files"},
+    r"openssl/": {"files"},
     r"pugixml": {"volume_files", "mesh_files"},
     r"(tiny_gltf|zip\.h)": {"mesh_files"},
     r"vtk[A-Z]": {"drawing", "vtk_filter"},

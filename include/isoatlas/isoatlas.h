@@ -3,6 +3,7 @@
 // include isoatlas/io.h.
 #pragma once
 
+#include "isoatlas/blocks.h"
 #include "isoatlas/certificate.h"
 #include "isoatlas/component_extents.h"
 #include "isoatlas/error.h"

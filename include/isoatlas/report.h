@@ -119,7 +119,16 @@ struct RankedComponent {
   ComponentTopology topology;
 };
 
-/// The report about a run of extract().
+/// How the mesh of a volume was merged from those of its blocks; see merge_blocks().
+struct BlockSummary {
+  Size3 block_size;              ///< grid cells of a block along each axis
+  Size3 counts;                  ///< blocks along each axis
+  std::size_t with_surface = 0;  ///< blocks that contain a part of the surface
+  /// Vertices on shared faces, and edges there: each edge has a triangle in two blocks.
+  std::size_t seam_vertices = 0, seam_edges = 0;
+};
+
+/// The report about a run of extract() or of merge_blocks(), which adds up those of the blocks.
 struct ExtractReport {
   std::size_t c_vertices = 0;       ///< number of c-vertices of the reference surface complex
   std::size_t faces = 0;            ///< number of faces of the reference surface complex
@@ -142,7 +151,8 @@ struct ExtractReport {
   /// Certificate of the partition into the blocks of the coarser complex; `repair_rounds` counts
   /// the rounds in which blocks were checked and cut.
   CertificateReport coarsening;
-  std::vector<LevelReport> levels;  ///< coarse to fine
+  std::optional<BlockSummary> blocks;  ///< present if the volume was meshed in blocks
+  std::vector<LevelReport> levels;     ///< coarse to fine
   /// Times in this order: surface, components, coarsen, cover, certify, mesh, check, refine.
   std::vector<StageTime> seconds;
   double total_seconds = 0;  ///< from the volume in memory to the checked levels
