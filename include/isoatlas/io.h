@@ -3,6 +3,7 @@
 // target isoatlas::io.
 #pragma once
 
+#include "isoatlas/block_file.h"
 #include "isoatlas/json.h"
 #include "isoatlas/mesh_file.h"
 #include "isoatlas/text_file.h"
