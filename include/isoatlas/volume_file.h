@@ -49,6 +49,10 @@ struct ReadOptions {
   std::optional<Region> region = {};              ///< keep only this part of the volume
   /// Largest allowed size of the samples in bytes; 0: three quarters of the machine's memory.
   std::uint64_t max_memory = 0;
+  /// Map the samples of an uncompressed file in this machine's byte order into memory, so that they
+  /// are read from the file where they are used. `max_memory` then does not apply. The file must
+  /// not be changed as long as the volume exists. Other files are read whole.
+  bool map_samples = false;
 };
 
 /// A volume, and the facts about its file.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "files/file_error.h"
+#include "files/mapped_file.h"
 #include "files/memory_limit.h"
 
 namespace isoatlas::detail::io {
@@ -111,6 +112,13 @@ void require_within_memory_limit(const std::filesystem::path& path, std::uint64_
                                           : " bytes")),
         Remedy::allow_memory);
   }
+}
+
+std::shared_ptr<std::byte[]> mapped_samples(const std::filesystem::path& path, std::uint64_t offset,
+                                            std::uint64_t bytes, std::size_t bytes_per_sample,
+                                            const ReadOptions& options) {
+  if (!options.map_samples || offset % bytes_per_sample != 0) return nullptr;
+  return map_file(path, offset, bytes);
 }
 
 std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,

@@ -34,6 +34,12 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path,
 void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes,
                                  const ReadOptions& options);
 
+/// The samples of a file as they are stored, mapped into memory; see ReadOptions::map_samples.
+/// @return null if the options do not request it, or if the first sample is not aligned
+std::shared_ptr<std::byte[]> mapped_samples(const std::filesystem::path& path, std::uint64_t offset,
+                                            std::uint64_t bytes, std::size_t bytes_per_sample,
+                                            const ReadOptions& options);
+
 /// Allocates memory for samples, not initialised, aligned for any sample type.
 /// @throws Error(out_of_memory) if there is not enough, or `bytes` is more than
 /// `options.max_memory`

@@ -68,14 +68,19 @@ VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
   const std::size_t sample_bytes = bytes_per_sample(layout.type);
   const std::uint64_t bytes = checked_sample_bytes(path, layout.size, sample_bytes);
   const Packing packing = packing_of_samples(path, layout, bytes);
-  const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-  if (packing == Packing::none) {
-    ByteSource(path, layout.offset, Packing::none).read_samples(samples.get(), bytes);
-  } else {
-    read_packed(path, layout, packing, samples.get(), bytes);
-  }
-  if (layout.big_endian != (std::endian::native == std::endian::big)) {
-    swap_byte_order(samples.get(), bytes / sample_bytes, sample_bytes);
+  const bool is_swapped =
+      sample_bytes > 1 && layout.big_endian != (std::endian::native == std::endian::big);
+  std::shared_ptr<std::byte[]> samples;
+  if (packing == Packing::none && !is_swapped)
+    samples = mapped_samples(path, layout.offset, bytes, sample_bytes, options);
+  if (samples == nullptr) {
+    samples = allocate_samples(path, bytes, options);
+    if (packing == Packing::none) {
+      ByteSource(path, layout.offset, Packing::none).read_samples(samples.get(), bytes);
+    } else {
+      read_packed(path, layout, packing, samples.get(), bytes);
+    }
+    if (is_swapped) swap_byte_order(samples.get(), bytes / sample_bytes, sample_bytes);
   }
   VolumeFile file;
   file.volume.view.grid.size = layout.size;

@@ -221,15 +221,25 @@ std::shared_ptr<std::byte[]> read_stored_samples(const fs::path& header_file,
   for (const StoredAxis& axis : stored.axes) {
     count *= axis.selected ? 1 : axis.size;
   }
-  const std::shared_ptr<std::byte[]> samples =
-      allocate_samples(header_file, count * pieces.sample_bytes(), options);
-  SampleGatherer(pieces, samples.get()).read(stored.axes);
+  const bool is_text = stored.format.encoding == SampleEncoding::text;
+  const bool is_swapped = !is_text && pieces.sample_bytes() > 1 &&
+                          stored.is_big_endian != (std::endian::native == std::endian::big);
+  const SamplePiece& first = stored.pieces.front();
+  std::shared_ptr<std::byte[]> samples;
+  if (stored.pieces.size() == 1 && stored.format.encoding == SampleEncoding::binary &&
+      first.packing == Packing::none && !is_swapped && !has_selection(stored.axes))
+    samples = mapped_samples(first.file, first.offset + first.skipped_bytes,
+                             count * pieces.sample_bytes(), pieces.sample_bytes(), options);
+  if (samples != nullptr) {
+    pieces.skip(count);
+  } else {
+    samples = allocate_samples(header_file, count * pieces.sample_bytes(), options);
+    SampleGatherer(pieces, samples.get()).read(stored.axes);
+  }
   if (const std::string rest = pieces.rest(); !rest.empty()) {
     source.warnings.push_back(rest);
   }
-  const bool is_text = stored.format.encoding == SampleEncoding::text;
-  if (!is_text && pieces.sample_bytes() > 1 &&
-      stored.is_big_endian != (std::endian::native == std::endian::big)) {
+  if (is_swapped) {
     swap_byte_order(samples.get(), count, pieces.sample_bytes());
   }
   return samples;

@@ -94,6 +94,16 @@ void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, Volume
 void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap,
                         VolumeFile& file, const ReadOptions& options) {
   const std::size_t sample_bytes = bytes_per_sample(file.volume.view.type);
+  if (!(swap && sample_bytes > 1) && packing_of(stored.file) == Packing::none) {
+    if (const std::shared_ptr<std::byte[]> samples =
+            mapped_samples(stored.file, stored.offset + index * stored.volume_bytes,
+                           stored.volume_bytes, sample_bytes, options)) {
+      file.volume.view.samples = samples.get();
+      file.volume.owner = samples;
+      file.source.reader = "isoatlas " ISOATLAS_VERSION;
+      return;
+    }
+  }
   read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
     stream.read_samples(samples, stored.volume_bytes);
     if (swap) swap_byte_order(samples, stored.volume_bytes / sample_bytes, sample_bytes);
