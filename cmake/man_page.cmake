@@ -12,8 +12,12 @@ string(REPLACE "\\" "\\e" page "${page}")
 string(REPLACE "-" "\\-" page "${page}")
 string(REGEX REPLACE "\n    ([.'])" "\n    \\\\&\\1" page "\n${page}")
 # `whatis` reads the line below NAME: "isoatlas\-extract \- ...".
-string(REGEX REPLACE "\nNAME\n    isoatlas ([a-z]+) " "\nNAME\n    isoatlas\\\\-\\1 "
-  page "${page}")
+string(REPLACE "-" " " typed "${COMMAND}")
+string(REPLACE "-" "\\-" in_name "${COMMAND}")
+if(COMMAND)
+  string(REPLACE "\nNAME\n    isoatlas ${typed} " "\nNAME\n    isoatlas\\-${in_name} "
+    page "${page}")
+endif()
 string(REGEX REPLACE "\nNAME\n    ([^\n]*)\n" "\n.SH NAME\n\\1\n" page "${page}")
 string(REGEX REPLACE "\n+([A-Z][A-Z ]+)\n" "\n.fi\n.SH \\1\n.nf\n" page "${page}")
 string(REGEX REPLACE "\n    " "\n" page "${page}")

@@ -231,12 +231,18 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   return command;
 }
 
-}  // namespace
+Size3 parse_block_size(const std::string& text) {
+  constexpr const char* kExpected = "one or three numbers of grid cells, 1 or more, like 256";
+  if (text.find(',') == std::string::npos) {
+    const auto side = parse_whole<std::size_t>(text);
+    if (!side || *side == 0) refuse_value(kExpected, text);
+    return {*side, *side, *side};
+  }
+  return parse_triple<std::size_t>(text, kExpected, [](std::size_t n) { return n > 0; });
+}
 
 // clang-format off
-CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
-  CLI::App* command =
-      add_command(app, "extract", "mesh an isosurface, with certified topology", extract_page());
+CLI::App* add_extract_options(CLI::App* command, ExtractArguments& arguments) {
   ExtractOptions& options = arguments.options;
 
   add_volume(*command, arguments.volume);
@@ -372,6 +378,18 @@ Same as --measure, with N samples in each direction.
   add_value(*command, kRunning, "--threads", "N", R"(
 Number of threads; 0 uses all that the machine has. The result does not depend on it. Default: 0.
 )", [&](const std::string& text) { set(arguments, "threads", text); });
+  CLI::Option* memory = add_value(*command, kBlocks, "--memory", "SIZE", R"(
+Mesh a large volume in blocks that take about this much memory each: 4GiB, 800MB. Samples of
+uncompressed files are then read where they are needed.
+)", [&](const std::string& text) { arguments.memory = parse_bytes(text); });
+  add_value(*command, kBlocks, "--block-size", "NX,NY,NZ", R"(
+Mesh the volume in blocks of this many grid cells along x, y and z; one number for cubes.
+)", [&](const std::string& text) { arguments.block_size = parse_block_size(text); })
+      ->excludes(memory);
+  command->add_option("--parts", arguments.parts, R"(
+Keep the meshes of the blocks in this folder. A run that was ended continues with those that are
+there. Default: in memory.
+)")->type_name("FOLDER")->group(kBlocks);
   CLI::Option* quiet = command->add_flag("-q,--quiet", arguments.quiet, R"(
 Print nothing unless something is wrong; no progress bar.
 )");
@@ -383,6 +401,62 @@ Also print all metrics of the levels, timings, coarser complexes, repairs and me
   return command;
 }
 // clang-format on
+
+void add_folder(CLI::App& command, BlocksArguments& arguments) {
+  command.add_option("FOLDER", arguments.folder, "The folder of `isoatlas blocks plan --parts`.")
+      ->required()
+      ->group(kInput);
+  add_value(command, kRunning, "--threads", "N", "Number of threads. Default: that of the plan.",
+            [&](const std::string& text) { arguments.threads = parse_threads(text); });
+  command.add_flag("-q,--quiet", arguments.quiet, "Print nothing unless something is wrong.")
+      ->group(kRunning);
+}
+
+BlockRange parse_range(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const auto first = parse_whole<std::size_t>(std::string_view(text).substr(0, colon));
+  const auto last = colon == std::string::npos
+                        ? first
+                        : parse_whole<std::size_t>(std::string_view(text).substr(colon + 1));
+  if (!first || !last || *last < *first)
+    refuse_value("numbers of blocks like 0:9, or one number", text);
+  return {*first, *last + 1};
+}
+
+}  // namespace
+
+CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
+  return add_extract_options(
+      add_command(app, "extract", "mesh an isosurface, with certified topology", extract_page()),
+      arguments);
+}
+
+CLI::App* add_blocks_plan_command(CLI::App& app, ExtractArguments& arguments) {
+  CLI::App* command =
+      add_command(app, "blocks-plan", "cut a large volume into blocks", blocks_plan_page());
+  add_extract_options(command, arguments);
+  command->get_option("--parts")->required();
+  return command;
+}
+
+CLI::App* add_blocks_run_command(CLI::App& app, BlocksArguments& arguments) {
+  CLI::App* command =
+      add_command(app, "blocks-run", "mesh the blocks of a plan", blocks_run_page());
+  add_folder(*command, arguments);
+  add_value(*command, kInput, "--blocks", "FIRST:LAST",
+            "Only these blocks, both included, counted from 0. Default: all.",
+            [&](const std::string& text) { arguments.range = parse_range(text); });
+  return command;
+}
+
+CLI::App* add_blocks_merge_command(CLI::App& app, BlocksArguments& arguments) {
+  CLI::App* command =
+      add_command(app, "blocks-merge", "merge the meshes of all blocks", blocks_merge_page());
+  add_folder(*command, arguments);
+  command->add_flag("-v,--verbose", arguments.verbose, "Print details, as `isoatlas extract -v`.")
+      ->group(kRunning);
+  return command;
+}
 
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
   CLI::App* command =

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "block_parts.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
@@ -40,6 +41,23 @@ struct ExtractArguments : ExtractSettings {
   std::optional<std::int64_t> label;
   /// Write numbers about the finest level to this file, for 3D Slicer.
   std::optional<std::filesystem::path> returned_values;
+  // Blocks: present if the volume is meshed in blocks.
+  std::optional<std::uint64_t> memory;  ///< largest memory of a block in bytes
+  std::optional<Size3> block_size;      ///< grid cells of a block; in place of `memory`
+  /// Folder for the meshes of the blocks; a run continues with those that are there.
+  std::optional<std::filesystem::path> parts;
+
+  bool only_merges = false;  ///< merge the blocks in `parts` without making any
+
+  bool is_in_blocks() const { return memory || block_size || parts; }
+};
+
+/// Of `isoatlas blocks run` and `isoatlas blocks merge`.
+struct BlocksArguments {
+  std::filesystem::path folder;
+  BlockRange range;
+  int threads = 0;
+  bool quiet = false, verbose = false;
 };
 
 struct InfoArguments {
@@ -92,6 +110,10 @@ struct CompletionArguments {
 
 /// Each function adds one command to `app`. Parsing the command fills `arguments`.
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments);
+/// `isoatlas blocks plan`; the options are those of `extract`, with `parts`.
+CLI::App* add_blocks_plan_command(CLI::App& app, ExtractArguments& arguments);
+CLI::App* add_blocks_run_command(CLI::App& app, BlocksArguments& arguments);
+CLI::App* add_blocks_merge_command(CLI::App& app, BlocksArguments& arguments);
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments);
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments);
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments);

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
+#include <vector>
 
 #include "arguments.h"
 #include "interruption.h"
@@ -21,6 +23,10 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption);
 /// run_extract() with another console than the terminal.
 int run_extract(const ExtractArguments& arguments, Interruption& interruption,
                 const RunConsole& console);
+/// @param words  the command line of `extract` that the plan is for
+int run_blocks_plan(const ExtractArguments& arguments, const std::vector<std::string>& words);
+int run_blocks_run(const BlocksArguments& arguments, Interruption& interruption);
+int run_blocks_merge(const BlocksArguments& arguments, Interruption& interruption);
 int run_info(const InfoArguments& arguments);
 int run_view(const ViewArguments& arguments, Interruption& interruption);
 int run_check(const CheckArguments& arguments, Interruption& interruption);

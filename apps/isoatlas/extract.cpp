@@ -9,10 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "block_parts.h"
+#include "blocks.h"
 #include "commands.h"
 #include "exit_status.h"
 #include "extract_outputs.h"
 #include "extract_summary.h"
+#include "files/mapped_file.h"
+#include "isoatlas/blocks.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
 #include "label_mask.h"
@@ -47,16 +51,43 @@ void warn_of_memory(std::ostream& out, std::uint64_t bytes, std::uint32_t factor
       << bytes_text(static_cast<double>(bytes)) << " of memory\n";
 }
 
+/// Meshes the volume in blocks, or merges the blocks that are there.
+Extraction extract_blocks(const ExtractArguments& arguments, const VolumeView& volume,
+                          const ExtractOptions& options, const RunControl& control) {
+  const Size3 block_size = block_size_of(arguments, volume);
+  const std::size_t bytes = volume.grid.sample_count() * bytes_per_sample(volume.type);
+  const auto drop_samples = [&] { io::drop_mapped_pages(volume.samples, bytes); };
+  if (!arguments.parts)
+    return extract_in_blocks(volume, block_size, options, control,
+                             [&](std::size_t) { drop_samples(); });
+  const BlockPlan plan(volume.grid, block_size);
+  const BlockParts parts(*arguments.parts, plan);
+  if (!arguments.only_merges) {
+    const std::vector<std::size_t> elsewhere =
+        parts.make(volume, options, {}, control, drop_samples);
+    if (!elsewhere.empty())
+      throw Error(ErrorCode::bad_argument, "another run is making " + blocks_text(elsewhere) +
+                                               "; run `isoatlas blocks merge` when it has ended");
+  }
+  if (const std::vector<std::size_t> missing = parts.missing(); !missing.empty())
+    throw Error(ErrorCode::bad_argument, arguments.parts->string() + ": " + blocks_text(missing) +
+                                             " of " + std::to_string(plan.block_count()) +
+                                             " missing; make them with `isoatlas blocks run " +
+                                             arguments.parts->string() + "`");
+  return parts.merge(options, control);
+}
+
 /// Runs the extraction. Errors of the library get the name of the volume as prefix.
-Extraction extract_from(const fs::path& path, const VolumeView& volume,
+Extraction extract_from(const ExtractArguments& arguments, const VolumeView& volume,
                         const ExtractOptions& options, const RunControl& control,
                         std::ostream& messages) {
   try {
+    if (arguments.is_in_blocks()) return extract_blocks(arguments, volume, options, control);
     warn_of_memory(messages, require_memory_for_supersampling(volume, options, 0, control),
                    options.supersample);
     return extract(volume, options, control);
   } catch (const Error& error) {
-    throw error.with_prefix(volume_name(path) + ": ");
+    throw error.with_prefix(volume_name(arguments.volume.path) + ": ");
   }
 }
 
@@ -116,7 +147,9 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
 
   progress.show("read", std::nullopt);
   const Stopwatch reading;
-  VolumeFile file = read_volume_input(arguments.volume.path, arguments.volume.read);
+  ReadOptions read = arguments.volume.read;
+  read.map_samples = arguments.is_in_blocks();
+  VolumeFile file = read_volume_input(arguments.volume.path, read);
   if (!file.source.warnings.empty()) progress.clear_line();
   print_warnings(console.messages, arguments.volume.path, file.source);
   Volume volume = std::move(file.volume);
@@ -128,8 +161,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
   if (arguments.label) mesh_label(arguments, volume, context.options);
   const ExtractOptions& options = context.options;
 
-  Extraction extraction =
-      extract_from(arguments.volume.path, volume, options, control, console.messages);
+  Extraction extraction = extract_from(arguments, volume, options, control, console.messages);
   ExtractReport& report = extraction.report;
   std::optional<MeshQuality> marching_cubes;  // shown on the page for comparison
   if (arguments.page) {

@@ -194,7 +194,7 @@ std::string ranked_text(const std::vector<RankedComponent>& components, LengthUn
 }
 
 /// Where the volume boundary cuts the surface. Empty if it does not.
-std::string border_text(const LevelReport& level, LengthUnit unit) {
+std::string border_text(const LevelReport& level, bool is_in_blocks, LengthUnit unit) {
   if (level.caps) {
     if (level.caps->triangles == 0) return "closed without caps";
     return "closed by caps on the volume boundary: " + counted(level.caps->triangles, "triangle") +
@@ -205,7 +205,15 @@ std::string border_text(const LevelReport& level, LengthUnit unit) {
   const std::int64_t loops = level.topology.boundary_loops;
   if (loops == 0) return "";
   return "open: the volume boundary cuts the surface in " +
-         counted(static_cast<std::uint64_t>(loops), "loop") + "; --border closed caps it";
+         counted(static_cast<std::uint64_t>(loops), "loop") +
+         (is_in_blocks ? "" : "; --border closed caps it");
+}
+
+std::string blocks_text(const BlockSummary& blocks) {
+  return counted(blocks.counts[0] * blocks.counts[1] * blocks.counts[2], "block") + " of up to " +
+         size_text(blocks.block_size) + " grid cells, " + count_text(blocks.with_surface) +
+         " with a part of the surface; " + counted(blocks.seam_vertices, "vertex") +
+         " on shared faces fit";
 }
 
 }  // namespace
@@ -223,8 +231,9 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
                             topology_text(report.levels.back().topology));
   if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
   if (!report.dropped.empty()) out << row("dropped", ranked_text(report.dropped, unit));
-  if (const std::string border = border_text(report.levels.back(), unit); !border.empty())
-    out << row("border", border);
+  const std::string border = border_text(report.levels.back(), report.blocks.has_value(), unit);
+  if (!border.empty()) out << row("border", border);
+  if (report.blocks) out << row("blocks", blocks_text(*report.blocks));
   for (std::size_t k = 0; k < report.levels.size(); ++k)
     out << row(level_name(k), level_text(report.levels[k], context.options.supersample, unit));
   if (const std::string sampling = distance_sampling(report); !sampling.empty())

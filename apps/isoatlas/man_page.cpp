@@ -8,7 +8,7 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-constexpr std::size_t kColumns = 80, kIndent = 4, kDeepIndent = 10, kCommandWidth = 12;
+constexpr std::size_t kColumns = 80, kIndent = 4, kDeepIndent = 10, kCommandWidth = 14;
 
 /// Fills lines with the words of `text`; an empty line in it separates paragraphs.
 std::string filled(const std::string& text, std::size_t indent) {
@@ -60,10 +60,16 @@ std::string option_entry(const CLI::Option& option) {
 
 }  // namespace
 
+std::string typed_name(const CLI::App& command) {
+  std::string name = command.get_name();
+  if (const std::size_t dash = name.find('-'); dash != std::string::npos) name[dash] = ' ';
+  return name;
+}
+
 std::string command_list(const CLI::App& app, std::size_t indent) {
   std::string lines;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    std::string name = command->get_name();
+    std::string name = typed_name(*command);
     name.resize(std::max(kCommandWidth, name.size() + 1), ' ');
     lines += std::string(indent, ' ') + name + command->get_description() + "\n";
   }
@@ -71,7 +77,8 @@ std::string command_list(const CLI::App& app, std::size_t indent) {
 }
 
 std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const {
-  if (name.empty()) name = app->get_name();
+  const bool is_of_tool = app->get_parent() == nullptr;
+  name = is_of_tool ? app->get_name() : app->get_parent()->get_name() + " " + typed_name(*app);
   const std::string indent(kIndent, ' ');
   std::string page = section("Name", indent + name + " - " + app->get_description() + "\n");
   page += section("Synopsis", indented(text_.synopsis));

@@ -8,6 +8,9 @@
 
 namespace isoatlas::detail::tool {
 
+/// The name of a command as it is typed: "blocks plan" for the command blocks-plan.
+std::string typed_name(const CLI::App& command);
+
 /// The commands of the tool with their descriptions, one per line.
 std::string command_list(const CLI::App& app, std::size_t indent);
 

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <vector>
 
+#include "man_page.h"
 #include "nearest_name.h"
 #include "other_programs.h"
 #include "wording/values.h"
@@ -33,11 +34,15 @@ bool has_option(const CLI::App& command, std::string_view name) {
   return option != nullptr && !option->get_positional();
 }
 
+/// Whether the options of a command are those of extract, which messages name instead.
+bool repeats_extract(const CLI::App& command) { return command.get_name() == "blocks-plan"; }
+
 /// The other commands that have the option: "isoatlas extract and check".
 std::string others_with(const CLI::App& app, const CLI::App& command, const std::string& name) {
   Names others;
   for (const CLI::App* other : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (other != &command && has_option(*other, name)) others.push_back(other->get_name());
+    if (other != &command && !repeats_extract(*other) && has_option(*other, name))
+      others.push_back(typed_name(*other));
   std::string list;
   for (std::size_t i = 0; i < others.size(); ++i)
     list += (i == 0 ? "isoatlas " : i + 1 < others.size() ? ", " : " and ") + others[i];
@@ -79,7 +84,7 @@ std::string advice_on(const CLI::App& app, const CLI::App& command, const std::s
       return did_you_mean(nearest);
   for (const CLI::App* other : app.get_subcommands([](const CLI::App*) { return true; }))
     if (const std::string nearest = nearest_name(name, names_of_options(*other)); !nearest.empty())
-      return ", did you mean --" + nearest + " of isoatlas " + other->get_name() + "?";
+      return ", did you mean --" + nearest + " of isoatlas " + typed_name(*other) + "?";
   return "";
 }
 
@@ -106,7 +111,7 @@ std::string find_unknown_option(const CLI::App& app, const CLI::App& command,
     if (has_one_dash && has_option(command, "-" + word.name))
       return word.name + " has one dash, expected two: -" + word.name;
     const std::string file = advice_on_file(word);
-    return "isoatlas " + command.get_name() + " has no option " +
+    return "isoatlas " + typed_name(command) + " has no option " +
            (file.empty() ? word.name + advice_on(app, command, word.name) : word.typed + file);
   }
   return "";

@@ -79,7 +79,7 @@ constexpr Synonyms kOptions[] = {
     {"--time", "frame frames timepoint time-point timestep t"},
     {"--layer", "label labels segment"},
     {"--array", "field scalars variable array-name"},
-    {"--max-memory", "memory mem ram memory-limit"},
+    {"--max-memory", "mem ram memory-limit"},
     {"--raw-offset", "offset header-size skip header raw-header"},
     {"the extension of the output file is its format",
      "format output-format file-format type ascii binary"},

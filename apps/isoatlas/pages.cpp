@@ -130,7 +130,7 @@ are converted to the unit of the volume; if the volume states no unit, they are 
 
 The same input gives the same bytes, for any number of threads.
 )",
-      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kRunning},
+      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kBlocks, kRunning},
       .sections = {{"Examples", R"(isoatlas extract head.nrrd --iso 80.5 -o head.ply
     The surface at 80.5 within half a voxel, in world coordinates.
 
@@ -177,6 +177,64 @@ Output files appear complete or not at all, and all files of a run together.
 They are prepared in a hidden folder .isoatlas-* next to their destination.
 A folder that a killed process left behind can be deleted.
 )"}},
+  };
+}
+
+ManPage::Text blocks_plan_page() {
+  return {
+      .synopsis = "isoatlas blocks plan VOLUME --iso X -o MESH --parts FOLDER [options]",
+      .description = R"(
+Plans to mesh a large volume in blocks, by one or several machines that share a folder. Writes
+FOLDER/plan.json with the options, which are those of `isoatlas extract`. Meshes nothing yet.
+
+Neighbouring blocks share one layer of samples, and their meshes fit there vertex by vertex. The
+merged mesh has the topology of the isosurface of the whole volume. It does not depend on the order
+of the blocks, or on the number of machines.
+)",
+      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kBlocks, kRunning},
+      .sections = {{"Examples", R"(isoatlas blocks plan brain.nrrd --iso 80.5 -o brain.ply \
+    --memory 4GiB --parts brain-parts
+isoatlas blocks run brain-parts
+isoatlas blocks merge brain-parts
+)"},
+                   {"Exit status", kExitStatus},
+                   {"Files", kVolumeFiles + "FOLDER/plan.json: the plan.\n"}},
+  };
+}
+
+ManPage::Text blocks_run_page() {
+  return {
+      .synopsis = "isoatlas blocks run FOLDER [options]",
+      .description = R"(
+Meshes the blocks of a plan that have no mesh yet, and writes each to its own file in FOLDER. A run
+that was ended, in any way, continues where it was when it is started again. Several runs can work
+in one folder: each leaves blocks alone that another one is making.
+)",
+      .groups = {kInput, kRunning},
+      .sections = {{"Examples", R"(isoatlas blocks run brain-parts
+isoatlas blocks run brain-parts --blocks 0:9
+    Ten of the blocks, for example as one task of a job array.
+)"},
+                   {"Exit status", kExitStatus},
+                   {"Files",
+                    R"(FOLDER/block-000000.mesh and so on: the mesh of a block, with a digest of
+its samples and options. A file appears whole or not at all. If samples or
+options have changed, it is made again.
+)"}},
+  };
+}
+
+ManPage::Text blocks_merge_page() {
+  return {
+      .synopsis = "isoatlas blocks merge FOLDER [options]",
+      .description = R"(
+Merges the meshes of all blocks, checks the merged mesh, and writes the files that the plan names:
+mesh, report and page.
+)",
+      .groups = {kInput, kRunning},
+      .sections = {{"Examples", "isoatlas blocks merge brain-parts\n"},
+                   {"Exit status", kExtractExitStatus},
+                   {"Files", "Those of `isoatlas extract`, with the names of the plan.\n"}},
   };
 }
 

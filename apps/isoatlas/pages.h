@@ -14,10 +14,14 @@ inline constexpr const char* kMesh = "Mesh";
 inline constexpr const char* kLevels = "Levels";
 inline constexpr const char* kOutput = "Output";
 inline constexpr const char* kDistance = "Distance";
+inline constexpr const char* kBlocks = "Blocks";
 inline constexpr const char* kRunning = "Running";
 
 ManPage::Text tool_page();
 ManPage::Text extract_page();
+ManPage::Text blocks_plan_page();
+ManPage::Text blocks_run_page();
+ManPage::Text blocks_merge_page();
 ManPage::Text info_page();
 ManPage::Text view_page();
 ManPage::Text check_page();

@@ -20,6 +20,7 @@
 #include "filter_progress.h"
 #include "interruption.h"
 #include "isoatlas/error.h"
+#include "man_page.h"
 #include "slicer_module.h"
 #include "text.h"
 #include "typing_help.h"
@@ -50,7 +51,7 @@ std::string see_help(const CLI::App& app, const std::vector<std::string>& words)
     return !words.empty() && command->get_name() == words.front();
   };
   const auto commands = app.get_subcommands(is_typed);
-  return " (see isoatlas " + (commands.empty() ? "" : commands.front()->get_name() + " ") +
+  return " (see isoatlas " + (commands.empty() ? "" : typed_name(*commands.front()) + " ") +
          "--help)";
 }
 
@@ -113,6 +114,16 @@ int run(const std::function<int()>& command, Interruption& interruption,
   }
 }
 
+/// Turns "blocks plan" into "blocks-plan", the name of the command, and likewise run and merge.
+void join_block_commands(std::vector<std::string>& words) {
+  const std::size_t at = !words.empty() && words[0] == "help" ? 1 : 0;
+  if (words.size() < at + 2 || words[at] != "blocks") return;
+  const std::string& step = words[at + 1];
+  if (step != "plan" && step != "run" && step != "merge") return;
+  words[at] += "-" + step;
+  words.erase(words.begin() + static_cast<std::ptrdiff_t>(at) + 1);
+}
+
 }  // namespace
 
 int run_tool(int argc, char** argv) {
@@ -124,7 +135,8 @@ int run_tool(int argc, char** argv) {
   }
   CLI::App app;
   describe_tool(app);
-  ExtractArguments extract_arguments;
+  ExtractArguments extract_arguments, plan_arguments;
+  BlocksArguments blocks_arguments;
   InfoArguments info_arguments;
   ViewArguments view_arguments;
   CheckArguments check_arguments;
@@ -133,6 +145,9 @@ int run_tool(int argc, char** argv) {
   PictureArguments picture_arguments;
   CompletionArguments completion_arguments;
   const CLI::App* extract_command = add_extract_command(app, extract_arguments);
+  const CLI::App* plan_command = add_blocks_plan_command(app, plan_arguments);
+  const CLI::App* blocks_run_command = add_blocks_run_command(app, blocks_arguments);
+  const CLI::App* merge_command = add_blocks_merge_command(app, blocks_arguments);
   const CLI::App* info_command = add_info_command(app, info_arguments);
   const CLI::App* view_command = add_view_command(app, view_arguments);
   add_check_command(app, check_arguments);
@@ -144,6 +159,7 @@ int run_tool(int argc, char** argv) {
   std::vector<std::string> typed(argv + 1, argv + argc);
   const bool shows_filter_progress = !typed.empty() && typed[0] == kFilterProgressFlag;
   if (shows_filter_progress) typed.erase(typed.begin());
+  join_block_commands(typed);
   std::vector<std::string> words = in_standard_form(app, typed);
   if (words.empty()) {
     std::cerr << usage(app);
@@ -173,6 +189,16 @@ int run_tool(int argc, char** argv) {
           return run_extract(extract_arguments, interruption, {progress, std::cerr});
         },
         {{"extract", extract_arguments.volume.path}});
+  if (plan_command->parsed())
+    return run_on(
+        [&] {
+          return run_blocks_plan(plan_arguments, std::vector(typed.begin() + 1, typed.end()));
+        },
+        {{"extract", plan_arguments.volume.path}});
+  if (blocks_run_command->parsed())
+    return run_on([&] { return run_blocks_run(blocks_arguments, interruption); }, {});
+  if (merge_command->parsed())
+    return run_on([&] { return run_blocks_merge(blocks_arguments, interruption); }, {});
   if (info_command->parsed())
     return run_on([&] { return run_info(info_arguments); }, {{"info", info_arguments.volume.path}});
   if (view_command->parsed())

@@ -25,13 +25,13 @@ using Words = std::vector<std::string>;
 Words names_of_commands(const CLI::App& app) {
   Words names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
+    names.push_back(typed_name(*command));
   return names;
 }
 
 const CLI::App* command_named(const CLI::App& app, const std::string& name) {
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (command->get_name() == name) return command;
+    if (command->get_name() == name || typed_name(*command) == name) return command;
   return nullptr;
 }
 

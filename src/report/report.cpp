@@ -136,6 +136,14 @@ Json to_value(const DistanceReport& distance) {
   return json;
 }
 
+Json to_value(const BlockSummary& blocks) {
+  return {{"size", blocks.block_size},
+          {"counts", blocks.counts},
+          {"with_surface", blocks.with_surface},
+          {"seam_vertices", blocks.seam_vertices},
+          {"seam_edges", blocks.seam_edges}};
+}
+
 Json to_value(const RankedComponent& component) {
   return {{"position", to_value(component.position)},
           {"part", component.part},
@@ -231,6 +239,7 @@ void add_result(Json& json, const ExtractReport& report, const std::vector<Repor
   json["subdivision"] = {{"c_vertices", report.subdivided_c_vertices},
                          {"added_c_vertices", report.added_c_vertices},
                          {"max_depth", report.max_subdivision_depth}};
+  json["blocks"] = report.blocks ? to_value(*report.blocks) : Json();
   Json& levels = json["levels"] = Json::array();
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     Json level = {{"path", path_of_level(files, k)}};

@@ -208,14 +208,18 @@ class Help(ToolTest):
         "--measure --measure-samples --min-component-size --keep-components "
         "--keep-near --drop-near "
         "--interpolation --supersample --adaptive-supersample "
-        "--allow-self-intersections --strict --html", "info": "--json -h --help " + READING,
+        "--allow-self-intersections --strict --html --memory --block-size --parts",
+        "info": "--json -h --help " + READING,
         "view": "--iso --inside --no-browser --port -q --quiet -h --help " + READING,
         "check": "--json --self-intersections --volume --iso --inside --topology --nan "
         "--interpolation --space --samples -h --help " + READING, "levels": "--json -h --help",
         "report": "-o --output -q --quiet -h --help",
         "picture": "-o --output --level --style --size --view --up --zoom -q --quiet -h --help",
         "completion": "-h --help",
+        "blocks-run": "--blocks --threads -q --quiet -h --help",
+        "blocks-merge": "--threads -q --quiet -v --verbose -h --help",
     }
+    OPTIONS["blocks-plan"] = OPTIONS["extract"]
 
     def test_pages_have_every_section_and_option(self):
         for command, options in self.OPTIONS.items():
@@ -243,7 +247,7 @@ class Help(ToolTest):
     def test_main_page_names_the_commands(self):
         page = self.succeed("--help")
         for command in self.OPTIONS:
-            self.assertRegex(page, rf"(?m)^    {command} ")
+            self.assertRegex(page, rf"(?m)^    {command.replace('-', ' ')} ")
 
     def test_version(self):
         for words in (["--version"], ["version"], ["-V"]):
@@ -261,7 +265,10 @@ class Help(ToolTest):
     def test_command_line_page_documents_every_option(self):
         text = (DOCS / "command-line.md").read_text(encoding="utf-8")
         for command, options in self.OPTIONS.items():
-            section = re.search(rf"(?ms)^## isoatlas {command}$(.*?)(?=^## |\Z)", text)
+            if command == "blocks-plan":  # its options are those of extract
+                continue
+            title = command.replace("-", " ")
+            section = re.search(rf"(?ms)^## isoatlas {title}$(.*?)(?=^## |\Z)", text)
             self.assertIsNotNone(section, command)
             in_tables = "\n".join(re.findall(r"(?m)^\| (.*?) \|", section.group(1)))
             self.assertEqual(options_in(in_tables), set(options.split()), command)
@@ -319,6 +326,132 @@ class Reading(ToolTest):
         self.fail_with(4, "more than the limit of 1000", "info", "sphere.nrrd", "--max-memory",
                        "1000")
         self.refuse("--max-memory.*a size like 8GiB", "info", "sphere.nrrd", "--max-memory", "much")
+
+
+class Blocks(ToolTest):
+    """Volumes in blocks."""
+
+    EXTRACT = ["sphere.nrrd", "--iso", "0", "--refine", "max-distance:1vx", "--refine",
+               "max-distance:0.4vx"]
+    CUT = ["--block-size", "9,8,10"]
+
+    def setUp(self):
+        super().setUp()
+        self.put_sphere()
+
+    def plan(self, *more):
+        return self.succeed("blocks", "plan", *self.EXTRACT, *self.CUT, "-o", "p.glb", "--report",
+                            "p.json", "--parts", "parts", *more)
+
+    def test_all_ways_give_the_same_bytes(self):
+        self.succeed("extract", *self.EXTRACT, *self.CUT, "-o", "a.glb", "--report", "a.json", "-q")
+        text = self.plan()
+        self.assertRegex(text, r"\A\d+ blocks of up to 9 x 8 x 10 grid cells\. Next:\n"
+                         r"  isoatlas blocks run parts\n  isoatlas blocks merge parts\n\Z")
+        count = int(text.split()[0])
+        self.assertGreater(count, 8)
+        self.succeed("blocks", "run", "parts", "--blocks", f"3:{count - 1}", "--threads", "1")
+        self.refuse(f"blocks 0, 1 and 2 of {count} missing; make them with "
+                    "`isoatlas blocks run ", "blocks", "merge", "parts")
+        self.assertFalse((self.folder / "p.glb").exists())
+        self.assertEqual(self.succeed("blocks", "run", "parts"),
+                         f"{count} of {count} blocks made\n")
+        self.assertIn(f"{count} blocks of up to 9 x 8 x 10 grid cells",
+                      self.succeed("blocks", "merge", "parts"))
+        self.assertEqual((self.folder / "a.glb").read_bytes(),
+                         (self.folder / "p.glb").read_bytes())
+        self.succeed("extract", *self.EXTRACT, *self.CUT, "--parts", "others", "-o", "o.glb", "-q")
+        self.assertEqual((self.folder / "a.glb").read_bytes(),
+                         (self.folder / "o.glb").read_bytes())
+        one, other = (json.loads((self.folder / name).read_text()) for name in ("a.json", "p.json"))
+        self.assertEqual(one["blocks"]["size"], [9, 8, 10])
+        self.assertEqual(one["blocks"], other["blocks"])
+        self.succeed("extract", *self.EXTRACT, "-o", "w.glb", "--report", "w.json", "-q")
+        whole = json.loads((self.folder / "w.json").read_text())
+        self.assertIsNone(whole["blocks"])
+        for level in one["levels"]:
+            for key in ("components", "genus", "boundary_loops", "kinds"):
+                self.assertEqual(level[key], whole["reference"][key])
+            self.assertEqual(level["self_intersections"], 0)
+        for level, bound in zip(one["levels"][1:], (1.0, 0.4)):
+            self.assertLessEqual(level["distance_at_most"] - level["rounding"], bound)
+
+    def test_a_killed_run_loses_only_the_block_that_it_was_making(self):
+        count = int(self.plan().split()[0])
+        run = subprocess.Popen([TOOL, "blocks", "run", "parts", "-q"], cwd=self.folder)
+        parts = self.folder / "parts"
+        deadline = time.monotonic() + 60
+        while len(list(parts.glob("*.mesh"))) < 3 and time.monotonic() < deadline:
+            time.sleep(0.001)
+        run.kill()
+        run.wait()
+        made = {path: path.stat().st_mtime_ns for path in parts.glob("*.mesh")}
+        self.assertGreaterEqual(len(made), 3)
+        self.succeed("blocks", "run", "parts", "-q")
+        self.assertEqual(len(list(parts.glob("*.mesh"))), count)
+        for path, when in made.items():
+            self.assertEqual(path.stat().st_mtime_ns, when, path.name)
+        self.succeed("blocks", "merge", "parts", "-q")
+        self.succeed("extract", *self.EXTRACT, *self.CUT, "-o", "a.glb", "-q")
+        self.assertEqual((self.folder / "a.glb").read_bytes(),
+                         (self.folder / "p.glb").read_bytes())
+
+    def test_runs_share_the_work(self):
+        self.plan()
+        runs = [subprocess.Popen([TOOL, "blocks", "run", "parts", "-q", "--threads", "1"],
+                                 cwd=self.folder) for _ in range(3)]
+        self.assertEqual([run.wait() for run in runs], [0, 0, 0])
+        self.succeed("blocks", "run", "parts", "-q")
+        self.succeed("blocks", "merge", "parts", "-q")
+        self.assertEqual(sorted(path.suffix for path in (self.folder / "parts").iterdir()
+                                if path.suffix != ".mesh"), [".json"])
+
+    def test_changed_samples_are_meshed_again(self):
+        self.plan()
+        self.succeed("blocks", "run", "parts", "-q")
+        before = (self.folder / "parts/block-000000.mesh").read_bytes()
+        volume = self.folder / "sphere.nrrd"
+        data = bytearray(volume.read_bytes())
+        data[-4:] = b"\0\0\0\0"  # the last sample of the last block
+        volume.write_bytes(data)
+        self.succeed("blocks", "run", "parts", "-q")
+        self.assertEqual((self.folder / "parts/block-000000.mesh").read_bytes(), before)
+
+    def test_bad_input(self):
+        self.plan()
+        self.refuse("parts/plan.json: is the plan of another run", "blocks", "plan", *self.EXTRACT,
+                    "-o", "p.glb", "--block-size", "8", "--parts", "parts")
+        self.succeed("blocks", "run", "parts", "-q")
+        part = self.folder / "parts/block-000001.mesh"
+        data = part.read_bytes()
+        for damaged in (data[:-1], data[:40], b"", data[:-3] + b"abc"):
+            part.write_bytes(damaged)
+            self.refuse(r"block-000001\.mesh: is (damaged|not the file of a block); delete it and "
+                        "make its block again", "blocks", "merge", "parts")
+        version = re.search(rb" (\S+) ", data)[1]
+        part.write_bytes(data.replace(version, b"0.0.9", 1))
+        self.refuse(r"block-000001.mesh: was made by isoatlas 0\.0\.9, expected ", "blocks",
+                    "merge", "parts")
+        self.succeed("blocks", "run", "parts", "-q")  # makes it again
+        self.succeed("blocks", "merge", "parts", "-q")
+        part.write_bytes((self.folder / "parts/block-000002.mesh").read_bytes())
+        self.refuse("block-000001.mesh: is the file of block 2", "blocks", "merge", "parts")
+        self.refuse("nowhere: has no plan.json", "blocks", "run", "nowhere")
+        self.refuse("--blocks: the plan has the blocks 0 to 17, found 999", "blocks", "run",
+                    "parts", "--blocks", "999")
+        (self.folder / "parts/plan.json").write_text("{}")
+        self.refuse("plan.json: is not a plan", "blocks", "run", "parts")
+        extract = ["extract", "sphere.nrrd", "--iso", "0", "-o", "a.ply", "--block-size"]
+        self.refuse("a choice of components cannot be had in blocks", *extract, "8",
+                    "--keep-components", "1")
+        self.refuse("--block-size: expected one or three numbers of grid cells", *extract, "8,8")
+        self.refuse("--memory excludes --block-size", *extract, "8", "--memory", "1G")
+        self.refuse("expected a size like 8GiB or 500MB", *extract[:-1], "--memory", "much")
+        self.refuse("expected numbers of blocks like 0:9", "blocks", "run", "parts", "--blocks",
+                    "9:0")
+        self.refuse("there is no command 'blocks'", "blocks")
+        self.refuse("--parts is missing", "blocks", "plan", "sphere.nrrd", "--iso", "0", "-o",
+                    "a.ply")
 
 
 class Units(ToolTest):
@@ -1072,7 +1205,7 @@ class NothingHalfWritten(ToolTest):
             wanted = attempt * len(whole) // 8
             while process.poll() is None:
                 try:
-                    parts = list(self.folder.glob(".isoatlas-*/.isoatlas.*.part"))
+                    parts = list(self.folder.glob(".isoatlas-*/.isoatlas.*.mesh"))
                     parts = [part for part in parts if part not in left]
                     if parts and parts[0].stat().st_size >= wanted:
                         killed_within += parts[0].stat().st_size < len(whole)
@@ -1081,7 +1214,7 @@ class NothingHalfWritten(ToolTest):
                 except FileNotFoundError:
                     pass  # the file was renamed
             process.wait(timeout=20)
-            left = list(self.folder.glob(".isoatlas-*/.isoatlas.*.part"))
+            left = list(self.folder.glob(".isoatlas-*/.isoatlas.*.mesh"))
             self.assertIn(old.read_bytes(), (b"old", whole))
             # Files of killed runs do not disturb later runs.
         self.assertGreater(killed_within, 0, "no run was killed in the middle")
@@ -1340,7 +1473,7 @@ class WrongCommandLines(ToolTest):
         self.assertEqual((result.returncode, result.stdout), (2, ""))
         self.assertTrue(result.stderr.startswith("usage: isoatlas COMMAND"))
         for command in Help.OPTIONS:
-            self.assertRegex(result.stderr, rf"(?m)^  {command} ")
+            self.assertRegex(result.stderr, rf"(?m)^  {command.replace('-', ' ')} ")
 
     def test_unusual_but_correct_command_lines(self):
         extract = ["extract", "scan.nrrd", "-q", "--coarse"]

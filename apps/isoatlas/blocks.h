@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "arguments.h"
+
+namespace isoatlas::detail::tool {
+
+/// The size of the blocks that the arguments request, in grid cells.
+Size3 block_size_of(const ExtractArguments& arguments, const VolumeView& volume);
+
+/// "block 3", "blocks 3 and 4", "blocks 3, 4, 5 and 7 more": never empty
+std::string blocks_text(const std::vector<std::size_t>& blocks);
+
+}  // namespace isoatlas::detail::tool
