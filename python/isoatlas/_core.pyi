@@ -68,6 +68,28 @@ class Levels:
     def placement(self) -> str: ...
     def save(self, path: _Path, report: _Path | None, glb_per_level: bool) -> str: ...
 
+class BlockedArray:
+    def __init__(
+        self,
+        shape: tuple[int, int, int],
+        dtype: np.dtype[Any],
+        blocks: tuple[int, int, int],
+        order: str,
+        spacing: _Triple,
+        origin: _Triple,
+        direction: _Matrix,
+        unit: str,
+        words: ExtractWords,
+    ) -> None: ...
+    def __len__(self) -> int: ...
+    def slices(
+        self, block: int
+    ) -> tuple[tuple[int, int], tuple[int, int], tuple[int, int]]: ...
+    def mesh(self, block: int, samples: npt.NDArray[Any]) -> bytes: ...
+    def merge(
+        self, meshes: Sequence[bytes], progress: Callable[[str, float], Any] | None
+    ) -> Levels: ...
+
 def extract(
     volume: ArrayVolume, words: ExtractWords, progress: Callable[[str, float], Any] | None
 ) -> Levels: ...

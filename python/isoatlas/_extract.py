@@ -216,50 +216,104 @@ def extract(
     core = core_volume(volume, spacing, origin, direction, order)
     if measure and measure_samples is None:
         measure_samples = 200_000
-    settings: dict[str, Any] = {
-        "nan": nan,
-        "inside": inside,
-        "topology": topology,
-        "interpolation": interpolation,
-        "supersample": supersample,
-        "adaptive_supersample": adaptive_supersample,
-        "min_component_size": min_component_size,
-        "keep_components": keep_components,
-        "levels": levels,
-        "max_radius": max_radius,
-        "covering": covering,
-        "event_persistence": event_persistence,
-        "border": border,
-        "placement": placement,
-        "space": space,
-        "measure_samples": measure_samples,
-        "threads": threads,
-    }
-    constraints = {
-        "max_distance": max_distance,
-        "mean_distance": mean_distance,
-        "area_curvature": area_curvature,
-        "area_curvature_smooth": area_curvature_smooth,
-        "geodesic_ratio": geodesic_ratio,
-        "normal_angle": normal_angle,
-        "max_vertices": max_vertices,
-        "min_vertices": min_vertices,
-        "min_edge": min_edge,
-        "max_edge": max_edge,
-        "min_aspect": min_aspect,
-    }
-    request = _core.ExtractWords(
-        [
-            ("iso", isovalue("iso", iso)),
-            *words(settings),
-            *points("keep_near", keep_near),
-            *points("drop_near", drop_near),
-        ],
-        words(constraints),
-        level_words(refine),
-        bool(coarse),
-        bool(allow_self_intersections),
+    request = request_of(
+        iso,
+        nan=nan,
+        inside=inside,
+        topology=topology,
+        interpolation=interpolation,
+        supersample=supersample,
+        adaptive_supersample=adaptive_supersample,
+        min_component_size=min_component_size,
+        keep_components=keep_components,
+        keep_near=keep_near,
+        drop_near=drop_near,
+        coarse=coarse,
+        levels=levels,
+        refine=refine,
+        max_distance=max_distance,
+        mean_distance=mean_distance,
+        area_curvature=area_curvature,
+        area_curvature_smooth=area_curvature_smooth,
+        geodesic_ratio=geodesic_ratio,
+        normal_angle=normal_angle,
+        max_vertices=max_vertices,
+        min_vertices=min_vertices,
+        min_edge=min_edge,
+        max_edge=max_edge,
+        min_aspect=min_aspect,
+        max_radius=max_radius,
+        covering=covering,
+        event_persistence=event_persistence,
+        allow_self_intersections=allow_self_intersections,
+        border=border,
+        placement=placement,
+        space=space,
+        measure_samples=measure_samples,
+        threads=threads,
     )
     with progress_callback(progress) as callback:
         core_levels = _core.extract(core, request, callback)
     return Mesh(core_levels, states_order(volume, order, spacing, origin, direction))
+
+
+_SETTINGS = (
+    "nan",
+    "inside",
+    "topology",
+    "interpolation",
+    "supersample",
+    "adaptive_supersample",
+    "min_component_size",
+    "keep_components",
+    "levels",
+    "max_radius",
+    "covering",
+    "event_persistence",
+    "border",
+    "placement",
+    "space",
+    "measure_samples",
+    "threads",
+)
+# In the order of their priority.
+_CONSTRAINTS = (
+    "max_distance",
+    "mean_distance",
+    "area_curvature",
+    "area_curvature_smooth",
+    "geodesic_ratio",
+    "normal_angle",
+    "max_vertices",
+    "min_vertices",
+    "min_edge",
+    "max_edge",
+    "min_aspect",
+)
+_OTHERS = ("keep_near", "drop_near", "coarse", "refine", "allow_self_intersections")
+
+
+def request_of(iso: Number, **options: Any) -> _core.ExtractWords:
+    """The options of `extract` in the form of the extension.
+
+    Raises
+    ------
+    TypeError
+        An option that `extract` does not have.
+    """
+    for name in options:
+        if name not in _SETTINGS + _CONSTRAINTS + _OTHERS:
+            raise TypeError(f"unexpected option {name!r}; expected those of isoatlas.extract")
+    given = options.get
+    return _core.ExtractWords(
+        [
+            ("iso", isovalue("iso", iso)),
+            *words({name: given(name) for name in _SETTINGS}),
+            *points("keep_near", given("keep_near")),
+            *points("drop_near", given("drop_near")),
+        ],
+        words({name: given(name) for name in _CONSTRAINTS}),
+        level_words(given("refine")),
+        bool(given("coarse")),
+        bool(given("allow_self_intersections")),
+    )

@@ -204,7 +204,7 @@ def core_volume(
         raise TypeError("expected an array or a Volume, got a path: use isoatlas.read(path)")
     return _core.ArrayVolume(
         as_samples(volume),
-        _order_of(spacing, origin, direction, order),
+        order_of(spacing, origin, direction, order),
         as_triple(spacing, "spacing"),
         as_triple(origin, "origin"),
         as_direction(direction),
@@ -223,7 +223,7 @@ def states_order(volume: Any, order: str | None, *geometry: Any) -> bool:
     )
 
 
-def _order_of(
+def order_of(
     spacing: Sequence[float],
     origin: Sequence[float],
     direction: npt.ArrayLike | None,

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "array_volume.h"
+#include "blocks.h"
 #include "check.h"
 #include "components.h"
 #include "errors.h"
@@ -213,6 +214,19 @@ PYBIND11_MODULE(_core, module) {
           "path"_a, "report"_a, "glb_per_level"_a)
       .def(py::pickle([](const Levels& levels) { return py::bytes(stored(levels)); },
                       [](const py::bytes& bytes) { return levels_from(std::string_view(bytes)); }));
+
+  py::class_<BlockedArray>(module, "BlockedArray")
+      .def(py::init<const std::array<std::size_t, 3>&, const py::dtype&,
+                    const std::array<std::size_t, 3>&, const std::string&,
+                    const std::array<double, 3>&, const std::array<double, 3>&,
+                    const std::array<std::array<double, 3>, 3>&, const std::string&,
+                    const ExtractWords&>(),
+           "shape"_a, "dtype"_a, "blocks"_a, "order"_a, "spacing"_a, "origin"_a, "direction"_a,
+           "unit"_a, "words"_a)
+      .def("__len__", &BlockedArray::count)
+      .def("slices", &BlockedArray::slices, "block"_a)
+      .def("mesh", &BlockedArray::mesh, "block"_a, "samples"_a.noconvert())
+      .def("merge", &BlockedArray::merge, "meshes"_a, "progress"_a);
 
   module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
   module.def(

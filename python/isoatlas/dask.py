@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes of arrays that do not fit into memory, block by block, with Dask.
+
+    >>> import dask.array
+    >>> import isoatlas.dask
+    >>> array = dask.array.from_zarr("brain.zarr")
+    >>> mesh = isoatlas.dask.extract(array, 120.5, spacing=(2.0, 0.5, 0.5), order="ijk")
+
+Every block is one task. Blocks share a layer of samples, so a task needs a few more chunks than its
+own; its result is the mesh of the block. The meshes fit exactly, and the merged mesh has the
+topology of the isosurface of the whole array. See docs/scale.md.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import dask
+import dask.array
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arrays import as_direction, as_samples, as_triple
+from ._extract import request_of
+from ._mesh import Mesh
+from ._progress import ProgressLike, progress_callback
+from ._volume import Order, order_of, states_order
+from ._words import Number
+from .errors import BadArgumentError
+
+__all__ = ["extract"]
+
+
+def extract(
+    array: Any,
+    iso: Number,
+    *,
+    blocks: int | Sequence[int] = 256,
+    client: Any = None,
+    spacing: Sequence[float] = (1.0, 1.0, 1.0),
+    origin: Sequence[float] = (0.0, 0.0, 0.0),
+    direction: npt.ArrayLike | None = None,
+    order: Order | None = None,
+    unit: str | None = None,
+    progress: ProgressLike = None,
+    **options: Any,
+) -> Mesh:
+    """Mesh the isosurface of an array block by block.
+
+    Parameters
+    ----------
+    array : (M, N, P) array of dask, zarr, h5py or numpy
+        The samples. Arrays that are not of dask are read block by block; with workers on other
+        machines, all must be able to read them.
+    iso : float
+        The isovalue.
+    blocks : int or 3 ints
+        Grid cells of a block along each axis of the array. Large blocks have fewer vertices on
+        shared faces; a block of 256 needs about a gigabyte if the surface is dense. Chunks of the
+        same size are read fewest times.
+    client : dask.distributed.Client, optional
+        Where the blocks are meshed. Default: the current client if there is one, else the threads
+        of this process. A block whose worker is lost is meshed again.
+    spacing, origin, direction, order, unit : optional
+        As of `isoatlas.extract` and of `isoatlas.Volume`.
+    progress : function of (stage: str, fraction: float), or bool, optional
+        Called with the fraction of the blocks that are done. True shows a bar of tqdm.
+    **options
+        Those of `isoatlas.extract`, but for those that need the whole surface: ``supersample``,
+        ``interpolation="tricubic"``, ``covering="halving"``, ``border="closed"``, a choice of
+        components, ``levels``, ``max_vertices``, ``min_vertices``, ``measure`` and
+        ``allow_self_intersections``. ``threads`` is that of each task; default: 1.
+
+    Returns
+    -------
+    Mesh
+        As of `isoatlas.extract`; ``report["blocks"]`` describes the blocks. The result does not
+        depend on the number of workers or on their order.
+
+    Raises
+    ------
+    BadArgumentError
+        A ``ValueError``: an argument is out of its domain.
+    UnsupportedError
+        A ``ValueError``: an option that needs the whole surface, or samples that are not numbers.
+    EmptySurfaceError
+        A ``ValueError``: all samples are on one side of ``iso``.
+    """
+    cut = (int(blocks),) * 3 if isinstance(blocks, (int, np.integer)) else tuple(map(int, blocks))
+    if len(cut) != 3 or min(cut) < 1:
+        raise BadArgumentError(f"blocks: expected 1 or 3 numbers above 0, got {blocks!r}")
+    lazy = array if isinstance(array, dask.array.Array) else None
+    shape = tuple(int(n) for n in array.shape)
+    if len(shape) != 3:
+        raise BadArgumentError(f"array: expected 3 axes, got the shape {shape}")
+    sample = as_samples(np.zeros((2, 2, 2), dtype=array.dtype))  # the type after conversion
+    options.setdefault("threads", 1)
+    arguments = (
+        shape,
+        sample.dtype,
+        cut,
+        order_of(spacing, origin, direction, order),
+        as_triple(spacing, "spacing"),
+        as_triple(origin, "origin"),
+        as_direction(direction),
+        unit or "",
+        iso,
+        options,
+    )
+    plan = _plan(*arguments)
+    task = dask.delayed(_mesh_block, pure=False)
+    tasks = []
+    for block in range(len(plan)):
+        box = tuple(slice(first, end) for first, end in plan.slices(block))
+        part = lazy[box] if lazy is not None else dask.delayed(_part, pure=False)(array, box)
+        tasks.append(task(arguments, block, part))
+    with progress_callback(progress) as callback:
+        meshes = _computed(tasks, client, callback)
+        levels = plan.merge(meshes, None)
+    return Mesh(levels, states_order(None, order, spacing, origin, direction))
+
+
+def _plan(*arguments: Any) -> _core.BlockedArray:
+    *geometry, iso, options = arguments
+    return _core.BlockedArray(*geometry, request_of(iso, **options))
+
+
+def _part(array: Any, box: tuple[slice, slice, slice]) -> npt.NDArray[Any]:
+    return np.asarray(array[box])
+
+
+def _mesh_block(arguments: tuple[Any, ...], block: int, samples: npt.ArrayLike) -> bytes:
+    """One task: depends on nothing but its arguments, so that it can run anywhere and again."""
+    return _plan(*arguments).mesh(block, np.ascontiguousarray(as_samples(samples)))
+
+
+def _computed(tasks: list[Any], client: Any, progress: Any) -> list[bytes]:
+    """The results of all tasks, in their order."""
+    if client is None:
+        try:
+            from distributed import get_client
+
+            client = get_client()
+        except (ImportError, ValueError):
+            pass
+    if client is None:
+        from dask.callbacks import Callback
+
+        done = 0
+
+        def finished(key: Any, result: Any, *_: Any) -> None:
+            nonlocal done
+            done += isinstance(result, bytes)
+            if progress is not None:
+                progress("blocks", done / len(tasks))
+
+        with Callback(posttask=finished):
+            return list(dask.compute(*tasks, scheduler="threads"))
+    from distributed import as_completed
+
+    futures = client.compute(tasks)
+    for done, _ in enumerate(as_completed(futures), 1):
+        if progress is not None:
+            progress("blocks", done / len(tasks))
+    return list(client.gather(futures))
