@@ -16,21 +16,16 @@ test regression.closed, about two minutes: level 0 alone, and nothing is written
 
 import argparse
 import csv
-import json
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
 
 import isoatlas
+from oracle_check import DATA, ROOT, SKIPPED, verdict_on, write_nrrd
 from results import with_new_sections
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-DATA = pathlib.Path(os.environ.get("ISOATLAS_TEST_DATA") or ROOT.parent / "shared" / "data")
-SKIPPED = 77
 TITLE = "## Closed meshes"
 INTRODUCTION = f"""{TITLE}
 
@@ -47,26 +42,10 @@ HEADER = [
 ]
 
 
-def write_padded(path, array):
-    """The samples, [z, y, x], with a layer around them that is below all isovalues, as NRRD."""
-    kinds = {"f": (np.float64, "double"), "i": (np.int64, "int64"), "u": (np.int64, "int64")}
-    kind, name = kinds[array.dtype.kind]
-    below = np.nanmin(array).astype(kind) - 1
-    padded = np.pad(array.astype(kind), 1, constant_values=below)
-    sizes = " ".join(map(str, padded.shape[::-1]))
-    header = f"NRRD0004\ntype: {name}\ndimension: 3\nsizes: {sizes}\nendian: little\n"
-    path.write_bytes(f"{header}encoding: raw\n\n".encode() + padded.tobytes())
-
-
-def write_ply(path, vertices, faces):
-    rows = np.empty(len(faces), dtype=[("size", "u1"), ("corners", "<i4", 3)])
-    rows["size"], rows["corners"] = 3, faces
-    header = (
-        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
-        "property double x\nproperty double y\nproperty double z\n"
-        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    path.write_bytes(header.encode() + vertices.astype("<f8").tobytes() + rows.tobytes())
+def padded(array):
+    """The samples, [z, y, x], with a layer around them that is below all isovalues."""
+    kind = np.float64 if array.dtype.kind == "f" else np.int64
+    return np.pad(array.astype(kind), 1, constant_values=np.nanmin(array).astype(kind) - 1)
 
 
 def off_the_boundary(level, shape):
@@ -80,28 +59,15 @@ def off_the_boundary(level, shape):
     return float(distance.max(axis=1).min(axis=1).max())
 
 
-def verdict_on(oracle, folder, iso, level):
-    """The oracle's status and report about a level in voxel coordinates."""
-    write_ply(folder / "level.ply", level.vertices + 1, level.faces)
-    done = subprocess.run(
-        [oracle, "volume", folder / "padded.nrrd", "--iso", iso, "--mesh", folder / "level.ply",
-         "--mesh-space", "index", "--rules", "c", "--no-distance", "--self-intersections",
-         "--require", "c", "--json"],
-        capture_output=True, text=True,
-    )
-    if done.returncode not in (0, 1):
-        sys.exit(f"the oracle: exit status {done.returncode}: {done.stderr.strip()}")
-    return done.returncode, json.loads(done.stdout)["mesh"]["report"]
-
-
 def rows_of(oracle, folder, label, volume, iso, coarse):
     """Yields the row of each level, and whether it passes."""
-    write_padded(folder / "padded.nrrd", volume.array)
+    write_nrrd(folder / "padded.nrrd", padded(volume.array))
     mesh = isoatlas.extract(
         volume, float(iso), topology="faces", space="voxel", border="closed", coarse=coarse
     )
     for level in mesh.levels:
-        status, verdict = verdict_on(oracle, folder, iso, level)
+        status, verdict = verdict_on(
+            oracle, folder / "padded.nrrd", iso, level.vertices + 1, level.faces)
         pairs, loops = verdict["self_intersections"]["pairs"], verdict["boundary_loops"]
         off = off_the_boundary(level, volume.array.shape)
         is_first = level.number == 0

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Rewrites the section "Volumes in blocks" of docs/results.md.
+
+  bench/blocks.py ORACLE [--data FOLDER] [--only NAME ...] [--coarse] [--out FILE]
+
+Meshes all isosurfaces of TOPOLOGY.tsv whole and in blocks, at level 0 and within the default bound.
+ORACLE, a program from outside the project, compares each level of the blocks with the volume: the
+same topology, component by component, and no self-intersections. The number of triangles is
+compared with that of the whole. Exit status 1: a level fails; 77: no data or no oracle.
+
+PYTHONPATH must contain the Python module of build/release. Takes about an hour; --coarse: level 0
+alone, in blocks of 64, and nothing is written without --out.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import isoatlas
+from oracle_check import DATA, ROOT, SKIPPED, verdict_on, write_nrrd
+from results import with_new_sections
+
+BLOCKS = ["64", "100,60,37", "128"]
+TITLE = "## Volumes in blocks"
+INTRODUCTION = f"""{TITLE}
+
+Written by `bench/blocks.py`: `--block-size`, `--topology faces`, level 0 and the level within the
+default bound. An oracle from outside the project compares each level with the volume: the topology
+component by component, and all pairs of triangles, exactly. "Triangles" is their number divided by
+that of the same level of the whole volume; it includes the vertices on all shared faces.
+"""
+HEADER = [
+    "| isosurface | block | blocks | level | triangles | topology | intersecting pairs "
+    "| distance proved |",
+    "|---|---|---:|---|---:|---|---:|---:|",
+]
+
+
+def rows_of(oracle, folder, label, path, iso, coarse):
+    """Yields the row of each level, and whether it passes."""
+    volume = isoatlas.read(path)
+    write_nrrd(folder / "volume.nrrd", volume.array)
+    voxel = min(volume.spacing)
+    options = ["--topology", "faces", "--space", "voxel", *(["--coarse"] if coarse else [])]
+    whole = isoatlas.extract(volume, float(iso), topology="faces", space="voxel", coarse=coarse)
+    for block in BLOCKS[:1] if coarse else BLOCKS:
+        mesh, report = folder / "blocks.vtm", folder / "blocks.json"
+        done = subprocess.run(
+            [sys.executable, "-m", "isoatlas", "extract", path, "--iso", iso, *options, "-q",
+             "--block-size", block, "-o", mesh, "--report", report],
+            capture_output=True, text=True,
+        )
+        if done.returncode not in (0, 1):
+            yield f"| {label} | {block} | {done.stderr.strip()} |", False
+            continue
+        levels = isoatlas.read_mesh(mesh).levels
+        facts = json.loads(report.read_text())
+        for level, fact, reference in zip(levels, facts["levels"], whole.levels):
+            status, verdict = verdict_on(
+                oracle, folder / "volume.nrrd", iso, level.vertices, level.faces)
+            pairs = verdict["self_intersections"]["pairs"]
+            proved = fact["distance_at_most"]
+            x, y, z = facts["blocks"]["counts"]
+            yield (
+                f"| {label} | {block.replace(',', ' x ')} | {x * y * z} "
+                f"| {'coarse' if level.number == 0 else 'default bound'} "
+                f"| {len(level.faces) / len(reference.faces):.2f} "
+                f"| {'equal' if status == 0 else 'differs'} | {pairs} "
+                f"| {'' if proved is None else f'{proved / voxel:.2f} voxels'} |"
+            ), status == 0 and pairs == 0
+            label = ""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("oracle", type=pathlib.Path)
+    parser.add_argument("--data", type=pathlib.Path, default=DATA)
+    parser.add_argument("--only", nargs="*", default=[""], help="parts of the names of volumes")
+    parser.add_argument("--coarse", action="store_true")
+    parser.add_argument("--out", type=pathlib.Path)
+    args = parser.parse_args()
+    for needed in (args.oracle, args.data / "TOPOLOGY.tsv"):
+        if not needed.is_file():
+            print(f"SKIPPED: no {needed}")
+            return SKIPPED
+    with open(args.data / "TOPOLOGY.tsv") as file:
+        table = [row for row in csv.DictReader(file, delimiter="\t")
+                 if any(name in row["file"] for name in args.only)]
+    rows, failures = [], 0
+    with tempfile.TemporaryDirectory() as folder:
+        for entry in table:
+            label = f"{entry['file']}@{entry['isovalue']}"
+            for row, passes in rows_of(args.oracle, pathlib.Path(folder), label,
+                                       args.data / entry["file"], entry["isovalue"], args.coarse):
+                rows.append(row)
+                failures += not passes
+                print(row if passes else f"{row} FAILED", flush=True)
+    summary = f"{len(rows) - failures} of {len(rows)} levels pass."
+    print(summary)
+    out = args.out or (None if args.coarse else ROOT / "docs/results.md")
+    if out:
+        text = "\n".join([INTRODUCTION, *HEADER, *rows, "", summary, ""])
+        out.write_text(with_new_sections(out.read_text(), text))
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
