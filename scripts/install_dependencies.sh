@@ -28,6 +28,7 @@ docs=(doxygen python3-sphinx python3-myst-parser furo python3-breathe python3-sp
   python3-sphinx-inline-tabs python3-nbclient python3-ipykernel)
 test=("${python[@]}" "${package[@]}" "${docs[@]}" ccache debootstrap fish pkg-config zsh
   lib3mf-dev libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb
+  libopenmpi-dev openmpi-bin
   xauth chromium clang-14 libc++-14-dev libc++abi-14-dev clang-format
   python3-joblib python3-nibabel python3-pydicom python3-pytest python3-scipy python3-skimage
   python3-tifffile python3-tqdm python3-vtk9 mypy valgrind)

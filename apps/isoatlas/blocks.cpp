@@ -58,9 +58,14 @@ Plan read_plan(const fs::path& folder) {
               path.string() + ": is not a plan; make it with `isoatlas blocks plan`");
 }
 
-/// The arguments of the plan. Their paths are relative to its working folder, which becomes that of
-/// this process.
-ExtractArguments arguments_of(const Plan& plan, const fs::path& folder) {
+std::string size_text(const Size3& size) {
+  return count_text(size[0]) + " x " + count_text(size[1]) + " x " + count_text(size[2]);
+}
+
+}  // namespace
+
+ExtractArguments planned_arguments(const fs::path& folder) {
+  const Plan plan = read_plan(folder);
   ExtractArguments arguments;
   CLI::App app;
   add_extract_command(app, arguments);
@@ -86,12 +91,6 @@ Volume read_mapped(const ExtractArguments& arguments) {
   read.map_samples = true;
   return read_volume_input(arguments.volume.path, read).volume;
 }
-
-std::string size_text(const Size3& size) {
-  return count_text(size[0]) + " x " + count_text(size[1]) + " x " + count_text(size[2]);
-}
-
-}  // namespace
 
 Size3 block_size_of(const ExtractArguments& arguments, const VolumeView& volume) {
   if (arguments.block_size) return *arguments.block_size;
@@ -137,7 +136,7 @@ int run_blocks_plan(const ExtractArguments& arguments, const std::vector<std::st
 }
 
 int run_blocks_run(const BlocksArguments& arguments, Interruption& interruption) {
-  const ExtractArguments planned = arguments_of(read_plan(arguments.folder), arguments.folder);
+  const ExtractArguments planned = planned_arguments(arguments.folder);
   ProgressBar progress(!arguments.quiet);
   const Interruption::Cleanup clean_up(interruption, [&] { progress.erase(); });
   const RunControl control{
@@ -167,7 +166,7 @@ int run_blocks_run(const BlocksArguments& arguments, Interruption& interruption)
 }
 
 int run_blocks_merge(const BlocksArguments& arguments, Interruption& interruption) {
-  ExtractArguments planned = arguments_of(read_plan(arguments.folder), arguments.folder);
+  ExtractArguments planned = planned_arguments(arguments.folder);
   planned.only_merges = true;
   planned.quiet = planned.quiet || arguments.quiet;
   planned.verbose = planned.verbose || arguments.verbose;
