@@ -74,7 +74,10 @@ class GraphRowBuilder {
     const auto push = [&](CVertexId id, bool diagonal) {
       const double d = std::sqrt(
           squared_distance(complex_.positions[v], complex_.positions[id], complex_.spacing));
-      row.neighbours.push_back({id, static_cast<float>(d)});
+      const auto kind = complex_.on_boundary[v], other = complex_.on_boundary[id];
+      const bool leaves_seam =
+          std::min(kind, other) == kInterior && std::max(kind, other) == kOnSharedFace;
+      row.neighbours.push_back({id, static_cast<float>(d) + (leaves_seam ? kSeamWeight : 0.0f)});
       row.is_diagonal.push_back(diagonal);
     };
     for (std::size_t k = 0; k < count; ++k) {

@@ -34,6 +34,17 @@ struct CVertexGraph {
   }
 };
 
+/// Added to the weight between a c-vertex on a shared face and one inside; in world lengths, longer
+/// than any path in a block. So Voronoi cells of sites on shared faces contain nothing else:
+/// otherwise the cells of two neighbours on a seam would be adjacent behind the one between them,
+/// and the dual would have an edge on the shared face.
+constexpr float kSeamWeight = 1e4f;
+
+/// The length of an edge of the graph, without kSeamWeight.
+inline float length_of(const CVertexGraph::Neighbour& n) {
+  return n.weight < kSeamWeight ? n.weight : n.weight - kSeamWeight;
+}
+
 /// O(C + sum of valence log valence). 9 bytes per entry: about 6 entries per c-vertex of a triangle
 /// complex, 8 of a quad one.
 CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control = nullptr);

@@ -80,7 +80,7 @@ std::vector<std::uint8_t> SurfaceData::rebuild() {
   farthest_neighbour.assign(graph.c_vertex_count(), 0);
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v))
-      farthest_neighbour[v] = std::max(farthest_neighbour[v], n.weight);
+      farthest_neighbour[v] = std::max(farthest_neighbour[v], length_of(n));
   }
   if (adaptive_surface != nullptr &&
       !ranges::equal(adaptive_surface->original_positions(), complex.positions)) {

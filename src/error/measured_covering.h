@@ -51,6 +51,10 @@ struct SurfaceData {
   bool is_movable(CVertexId v) const {
     return adaptive_surface != nullptr ? adaptive_surface->is_movable(v) : !graph.on_boundary[v];
   }
+  /// Whether a vertex at the c-vertex is on a face that a block shares with others. Such vertices
+  /// are half a voxel apart, so the triangles at them cannot be well shaped: their shape is no
+  /// reason to change or to refine the mesh.
+  bool is_on_shared_face(CVertexId v) const { return graph.on_boundary[v] == kOnSharedFace; }
   void check_cancelled() const { measured_surface().check_cancelled(); }
   void report_continuing() const {
     if (control != nullptr) isoatlas::detail::report_continuing(*control);

@@ -23,9 +23,6 @@ namespace {
 // of a grid cell. They keep these positions in all levels, and fine triangles have edges of about
 // that length in noise. Supersampled grid cells have no room for more.
 constexpr double kSeparation = 0.4;
-// The radius of disks about vertices on shared faces, in voxels. Such vertices are about half a
-// voxel apart; the others become sparser away from them.
-constexpr float kSeamRadius = 1;
 constexpr int kRelaxRounds = 4;  // each around the vertices that were reverted in the last one
 
 // Inserts sites in every marked component where it is farthest from its sites: one, or from round 3
@@ -114,7 +111,7 @@ void CoarseMesher::cover(const RunControl& control) {
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
     if (complex.on_boundary[v] == kOnSharedFace) on_shared_faces.push_back(v);
   }
-  if (!on_shared_faces.empty()) covering.start_with(on_shared_faces, kSeamRadius, control);
+  if (!on_shared_faces.empty()) covering.start_with(on_shared_faces, control);
   if (options_.covering.strategy == CoveringStrategy::halving) {
     cover_from(cover_by_halving(graph, cover_, control), graph, covering, control);
   } else {

@@ -352,8 +352,11 @@ std::vector<std::pair<double, CellId>> Refiner::cells_at_limit(const Task& task)
   return out;
 }
 
+// A cell on a shared face is a single c-vertex. Refinement ends only if the cells around it cannot
+// become smaller either.
 bool Refiner::is_at_limit(const Task& task, CellId c) const {
   const CVertexId v = partition().site[c];
+  if (surface_data_->is_on_shared_face(v)) return true;
   return measured_->covering().radius()[v] <=
          std::max(kLimitShare * surface_data_->farthest_neighbour[v], task.useful_radius) * 1.0001f;
 }

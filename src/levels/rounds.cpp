@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 #include <utility>
 
 #include "core/ranges.h"
@@ -37,6 +38,12 @@ constexpr double kExactAboveShare = 0.5;
 constexpr double kBoundsShare = 0.25;
 
 // Refines until all bounds are satisfied as far as possible, or vertices run out.
+bool is_at_shared_face(const MeasuredCovering& measured, const Triangle& triangle) {
+  return ranges::any_of(triangle, [&](CellId c) {
+    return measured.surface_data().is_on_shared_face(measured.partition().site[c]);
+  });
+}
+
 class RefinementRun {
  public:
   RefinementRun(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out)
@@ -49,6 +56,7 @@ class RefinementRun {
       control.check_cancelled();
       measured_.update(out_.certificate, control);
       excluded_.resize(sites(), 0);
+      find_excess_near_shared_faces();
       revert_if_too_much(control);
       if (sites() >= task_.max_sites || failures_ > kMaxFailures) {
         out_.vertex_limit_reached = true;
@@ -77,16 +85,38 @@ class RefinementRun {
   // evenly, and no cell gets a second site.
   bool is_filling(double worst) const { return has_too_few() && worst <= 1; }
   CVertexId site(CellId c) const { return covering_.partition().site[c]; }
-  double excess(CellId c) const { return measured_.errors()[c].excess; }
+  double own_excess(CellId c) const { return measured_.errors()[c].excess; }
+  double excess(CellId c) const {
+    const auto near = excess_near_shared_faces_.find(c);
+    return near == excess_near_shared_faces_.end() ? own_excess(c)
+                                                   : std::max(own_excess(c), near->second);
+  }
   float min_radius_at(CVertexId v) const {
     return min_useful_radius(task_, measured_.surface_data(), v);
   }
   bool can_shrink(CellId c) const { return covering_.radius()[site(c)] > min_radius_at(site(c)); }
   bool can_split(CellId c) const {
     const CVertexId x = measured_.errors()[c].worst;
-    return x != kNone && covering_.distance()[x] >= min_radius_at(x);
+    return x != kNone && own_excess(c) > 0 && covering_.distance()[x] >= min_radius_at(x);
   }
   bool is_refinable(CellId c) const { return !excluded_[c] && (can_shrink(c) || can_split(c)); }
+
+  // A cell on a shared face is a single c-vertex. If it violates a bound, the cells around it must
+  // become smaller. The sites on shared faces are the first ones.
+  void find_excess_near_shared_faces() {
+    excess_near_shared_faces_.clear();
+    const SurfaceData& data = measured_.surface_data();
+    for (CellId c = 0; c < sites() && data.is_on_shared_face(site(c)); ++c) {
+      if (own_excess(c) <= 1) continue;
+      for (const std::uint32_t t : measured_.mesh().triangles_of.row(c)) {
+        for (const CellId other : measured_.mesh().triangles[t]) {
+          if (data.is_on_shared_face(site(other))) continue;
+          double& near = excess_near_shared_faces_[other];
+          near = std::max(near, own_excess(c));
+        }
+      }
+    }
+  }
 
   // Reverts the last step and halves the batch if the step exceeded the limit, or if it used the
   // last vertex and increased the largest error. A single cell that needs too many vertices is
@@ -108,6 +138,7 @@ class RefinementRun {
       excluded_.resize(previous_site_count_);
       out_.certificate = certificate_before_;
       measured_.update(out_.certificate, control);
+      find_excess_near_shared_faces();
     }
     shape_step_.clear();
   }
@@ -150,6 +181,7 @@ class RefinementRun {
     if (!is_limited()) batch_ = kNone;
     std::vector<std::pair<double, CVertexId>> bad;
     for (std::size_t i = 0; i < measured_.mesh().triangles.size(); ++i) {
+      if (is_at_shared_face(measured_, measured_.mesh().triangles[i])) continue;
       const auto [a, b, c] = measured_.mesh().corners(static_cast<std::uint32_t>(i));
       const double score = task_.shape->score(a, b, c);
       if (score >= 1) continue;
@@ -213,6 +245,8 @@ class RefinementRun {
   double worst_before_ = 0;  // largest excess before the last step
   CellId tried_ = kNone;     // the worst cell of that step, if it refined cells
   bool was_reverted_ = false;
+  // Per cell next to one on a shared face that violates a bound, the excess of that one.
+  std::unordered_map<CellId, double> excess_near_shared_faces_;
   // sites that the last step inserted to improve shape; those that exceeded the limit
   std::vector<CVertexId> shape_step_, excluded_for_shape_;
   std::vector<std::uint8_t> excluded_;  // per cell, 1 if refining it exceeded the limit on vertices
@@ -256,6 +290,7 @@ bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementT
   const Covering& covering = measured.covering();
   std::vector<Covering::Radius> lowered;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (is_at_shared_face(measured, measured.mesh().triangles[i])) continue;
     const std::array<Vec3, 3> corner = measured.mesh().corners(static_cast<std::uint32_t>(i));
     if (task.shape->score(corner[0], corner[1], corner[2]) >= 1) continue;
     for (const CellId c : measured.mesh().triangles[i]) {

@@ -29,6 +29,12 @@ double ShapeChanges::score(std::uint32_t triangle) const {
   return goal_.score(a, b, c);
 }
 
+bool ShapeChanges::is_at_shared_face(std::uint32_t triangle) const {
+  return ranges::any_of(mesh_.mesh().triangles[triangle], [&](CellId c) {
+    return mesh_.surface_data().is_on_shared_face(mesh_.placement().anchor[c]);
+  });
+}
+
 Vec3 ShapeChanges::face_direction_of(std::uint32_t triangle) const {
   const LevelMesh& mesh = mesh_.mesh();
   return face_direction(
@@ -102,6 +108,10 @@ void ShapeChanges::find_best_move(CellId cell, std::optional<double> min_gain,
   const CVertexId from = mesh_.placement().anchor[cell];
   if (mesh_.measured().has_fixed_anchor(cell) || !is_movable(cell) ||
       surface_data.graph.on_boundary[from])
+    return;
+  // A vertex near a shared face can have hundreds of triangles.
+  if (ranges::any_of(mesh.triangles_of.row(cell),
+                     [&](std::uint32_t t) { return is_at_shared_face(t); }))
     return;
   double before = std::numeric_limits<double>::infinity();
   for (const std::uint32_t t : mesh.triangles_of.row(cell)) before = std::min(before, score(t));

@@ -32,6 +32,7 @@ class ShapeChanges {
 
   bool is_movable(CellId c) const { return include_fixed_ || mesh_.placement().is_movable(c); }
   double score(std::uint32_t triangle) const;
+  bool is_at_shared_face(std::uint32_t triangle) const;
 
   /// Finds the best flip of a triangle's edges, or the best move of a cell's vertex to another
   /// c-vertex of the cell, if its score is better than `best`.

@@ -179,7 +179,7 @@ class ShapeOptimizer {
           control_.check_cancelled();
           for (const std::uint32_t t : std::span(changed).subspan(begin, end - begin)) {
             const double score = changes_.score(t);
-            if (score < 1) out.emplace_back(score, t);
+            if (score < 1 && !changes_.is_at_shared_face(t)) out.emplace_back(score, t);
           }
         });
     control_.check_cancelled();

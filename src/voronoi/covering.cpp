@@ -284,11 +284,7 @@ void Covering::add_seeds(std::span<const CVertexId> sites, const RunControl& con
   propagate_distances(front, control);
 }
 
-void Covering::start_with(std::span<const CVertexId> sites, float radius,
-                          const RunControl& control) {
-  std::vector<Radius> radii;
-  for (const CVertexId v : sites) radii.push_back({v, radius});
-  lower_radii(radii, control);
+void Covering::start_with(std::span<const CVertexId> sites, const RunControl& control) {
   add_seeds(sites, control);
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
     if (partition_.cell_of[v] == kNone) continue;

@@ -57,10 +57,10 @@ class Covering {
   void seed(std::span<const CVertexId> sites, std::span<const Radius> radii,
             const RunControl& control = {});
 
-  /// Makes these c-vertices the first sites, in this order, with disks of the given radius. Nothing
-  /// else is covered yet; see cover(). @pre no site was inserted yet
+  /// Makes these c-vertices the first sites, in this order. Other c-vertices may not be covered
+  /// yet; see cover(). @pre no site was inserted yet
   /// @cost  one search from all of them
-  void start_with(std::span<const CVertexId> sites, float radius, const RunControl& control = {});
+  void start_with(std::span<const CVertexId> sites, const RunControl& control = {});
 
   /// Adapts the covering to a graph that has the old c-vertices and more. Radii are kept; they are
   /// raised where a c-vertex would not be covered. Same result as seed() with these radii, but only

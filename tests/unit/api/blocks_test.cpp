@@ -140,7 +140,7 @@ TEST(Blocks, OneBlockIsTheWholeVolume) {
 
 TEST(Blocks, LevelsAreNestedAndWithinTheirBounds) {
   ExtractOptions options;
-  options.refine = {within(1.0), within(0.3)};
+  options.refine = {within(1.0), within(0.45)};
   const BlockPlan plan = example_plan();
   const Extraction merged = merge_blocks(plan, example(plan, 0, options), options);
   const Hierarchy& hierarchy = merged.hierarchy;
@@ -148,7 +148,7 @@ TEST(Blocks, LevelsAreNestedAndWithinTheirBounds) {
   for (std::size_t k = 1; k < 3; ++k) {
     EXPECT_LE(hierarchy.levels[k - 1].vertex_count, hierarchy.levels[k].vertex_count);
     ASSERT_TRUE(merged.report.levels[k].distance_at_most);
-    EXPECT_LE(*merged.report.levels[k].distance_at_most, k == 1 ? 1.0 : 0.3);
+    EXPECT_LE(*merged.report.levels[k].distance_at_most, k == 1 ? 1.0 : 0.45);
   }
   for (std::uint32_t v = 0; v < hierarchy.parent.size(); ++v)
     EXPECT_LT(hierarchy.parent[v], hierarchy.levels[1].vertex_count);
