@@ -62,7 +62,7 @@ breathe_default_members = ("members",)
 cpp_index_common_prefix = ["isoatlas::"]
 
 # The API of Python: the module that CMake builds has to be on PYTHONPATH.
-autodoc_mock_imports = ["pyvista"]  # it is not in Debian
+autodoc_mock_imports = ["dask", "distributed", "pyvista"]  # of other versions in Debian, or none
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings describe types
 autoclass_content = "class"

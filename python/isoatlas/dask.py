@@ -96,43 +96,47 @@ def extract(
         raise BadArgumentError(f"array: expected 3 axes, got the shape {shape}")
     sample = as_samples(np.zeros((2, 2, 2), dtype=array.dtype))  # the type after conversion
     options.setdefault("threads", 1)
-    arguments = (
-        shape,
-        sample.dtype,
-        cut,
-        order_of(spacing, origin, direction, order),
-        as_triple(spacing, "spacing"),
-        as_triple(origin, "origin"),
-        as_direction(direction),
-        unit or "",
-        iso,
-        options,
-    )
-    plan = _plan(*arguments)
+    geometry = {
+        "shape": shape,
+        "dtype": sample.dtype,
+        "blocks": cut,
+        "order": order_of(spacing, origin, direction, order),
+        "spacing": as_triple(spacing, "spacing"),
+        "origin": as_triple(origin, "origin"),
+        "direction": as_direction(direction),
+        "unit": unit or "",
+    }
+    plan = _plan(geometry, iso, options)
     task = dask.delayed(_mesh_block, pure=False)
     tasks = []
     for block in range(len(plan)):
         box = tuple(slice(first, end) for first, end in plan.slices(block))
         part = lazy[box] if lazy is not None else dask.delayed(_part, pure=False)(array, box)
-        tasks.append(task(arguments, block, part))
+        tasks.append(task(geometry, iso, options, block, part))
     with progress_callback(progress) as callback:
         meshes = _computed(tasks, client, callback)
         levels = plan.merge(meshes, None)
     return Mesh(levels, states_order(None, order, spacing, origin, direction))
 
 
-def _plan(*arguments: Any) -> _core.BlockedArray:
-    *geometry, iso, options = arguments
-    return _core.BlockedArray(*geometry, request_of(iso, **options))
+def _plan(geometry: dict[str, Any], iso: Number, options: dict[str, Any]) -> _core.BlockedArray:
+    return _core.BlockedArray(**geometry, words=request_of(iso, **options))
 
 
 def _part(array: Any, box: tuple[slice, slice, slice]) -> npt.NDArray[Any]:
     return np.asarray(array[box])
 
 
-def _mesh_block(arguments: tuple[Any, ...], block: int, samples: npt.ArrayLike) -> bytes:
+def _mesh_block(
+    geometry: dict[str, Any],
+    iso: Number,
+    options: dict[str, Any],
+    block: int,
+    samples: npt.ArrayLike,
+) -> bytes:
     """One task: depends on nothing but its arguments, so that it can run anywhere and again."""
-    return _plan(*arguments).mesh(block, np.ascontiguousarray(as_samples(samples)))
+    plan = _plan(geometry, iso, options)
+    return plan.mesh(block, np.ascontiguousarray(as_samples(samples)))
 
 
 def _computed(tasks: list[Any], client: Any, progress: Any) -> list[bytes]:

@@ -21,7 +21,7 @@ OPTIONS = {"max_distance": "1vx", "spacing": (2.0, 1.0, 0.5), "order": "ijk"}
 @pytest.fixture(scope="module")
 def samples():
     """Noise on a gyroid: many components, tunnels and loops in each block."""
-    z, y, x = np.mgrid[:40, :44, :48] / 4.0
+    z, y, x = np.mgrid[:26, :29, :32] / 4.0
     gyroid = np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x)
     noise = np.random.default_rng(7).normal(scale=0.5, size=gyroid.shape)
     return (100 * (gyroid + noise)).astype(np.int16)
@@ -29,7 +29,7 @@ def samples():
 
 @pytest.fixture(scope="module")
 def mesh(samples):
-    return isoatlas.dask.extract(samples, 20.5, blocks=(16, 20, 24), **OPTIONS)
+    return isoatlas.dask.extract(samples, 20.5, blocks=(12, 14, 16), **OPTIONS)
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +52,8 @@ def test_topology_is_that_of_the_whole(samples, mesh):
             assert level[key] == whole.report["reference"][key]
         assert level["self_intersections"] == 0
         assert level["certificate"]["passed"]
-    assert mesh.report["blocks"]["counts"] == [2, 3, 3]
-    assert mesh.report["blocks"]["seam_edges"] > 1000
+    assert mesh.report["blocks"]["counts"] == [2, 2, 3]
+    assert mesh.report["blocks"]["seam_edges"] > 500
     low, high = whole.bounds
     np.testing.assert_allclose(mesh.bounds[0], low, atol=1e-6)
     np.testing.assert_allclose(mesh.bounds[1], high, atol=1e-6)
@@ -73,9 +73,9 @@ def test_arrays_of_all_kinds_in_other_processes(samples, mesh, client, tmp_path)
                                dtype=samples.dtype)
     stored[:] = samples
     with h5py.File(tmp_path / "a.h5", "w") as file:
-        file.create_dataset("a", data=samples, chunks=(10, 44, 48))
-    lazy = dask.array.from_array(samples, chunks=(13, 17, 48))
-    options = {"blocks": (16, 20, 24), **OPTIONS}
+        file.create_dataset("a", data=samples, chunks=(10, 29, 32))
+    lazy = dask.array.from_array(samples, chunks=(13, 17, 32))
+    options = {"blocks": (12, 14, 16), **OPTIONS}
     assert_same(isoatlas.dask.extract(lazy, 20.5, client=client, **options), mesh)
     assert_same(isoatlas.dask.extract(stored, 20.5, client=client, **options), mesh)
     with h5py.File(tmp_path / "a.h5") as file:
@@ -92,14 +92,14 @@ def test_a_killed_worker_costs_only_its_blocks(samples, mesh, client):
             os.kill(sorted(pid.values())[0], signal.SIGKILL)
         done.append(fraction)
 
-    lazy = dask.array.from_array(samples, chunks=(16, 20, 24))
-    got = isoatlas.dask.extract(lazy, 20.5, blocks=(16, 20, 24), client=client, progress=progress,
+    lazy = dask.array.from_array(samples, chunks=(12, 14, 16))
+    got = isoatlas.dask.extract(lazy, 20.5, blocks=(12, 14, 16), client=client, progress=progress,
                                 **OPTIONS)
     assert_same(got, mesh)
     assert done[-1] == 1.0 and sorted(done) == done
 
 
-def test_bad_arguments_are_refused_before_any_work(samples):
+def test_bad_arguments_are_refused(samples):
     with pytest.raises(isoatlas.BadArgumentError, match="blocks: expected 1 or 3 numbers"):
         isoatlas.dask.extract(samples, 20.5, blocks=(4, 4))
     with pytest.raises(isoatlas.BadArgumentError, match="expected 3 axes, got the shape"):

@@ -66,6 +66,7 @@ struct FullReport {
       level.measured->mesh_to_surface.maximum = 3;
       level.measured->surface_to_mesh.maximum = 4;
     }
+    report.blocks = {.block_size = {64, 64, 64}, .counts = {2, 1, 1}, .with_surface = 2};
     report.seconds = {{"surface", 1}, {"components", 1}, {"coarsen", 1}, {"cover", 1},
                       {"certify", 1}, {"mesh", 1},       {"check", 1},   {"refine", 1}};
     context.volume.path = "v.nrrd";
