@@ -1205,7 +1205,7 @@ class NothingHalfWritten(ToolTest):
             wanted = attempt * len(whole) // 8
             while process.poll() is None:
                 try:
-                    parts = list(self.folder.glob(".isoatlas-*/.isoatlas.*.mesh"))
+                    parts = list(self.folder.glob(".isoatlas-*/.isoatlas.*.part"))
                     parts = [part for part in parts if part not in left]
                     if parts and parts[0].stat().st_size >= wanted:
                         killed_within += parts[0].stat().st_size < len(whole)
@@ -1214,7 +1214,7 @@ class NothingHalfWritten(ToolTest):
                 except FileNotFoundError:
                     pass  # the file was renamed
             process.wait(timeout=20)
-            left = list(self.folder.glob(".isoatlas-*/.isoatlas.*.mesh"))
+            left = list(self.folder.glob(".isoatlas-*/.isoatlas.*.part"))
             self.assertIn(old.read_bytes(), (b"old", whole))
             # Files of killed runs do not disturb later runs.
         self.assertGreater(killed_within, 0, "no run was killed in the middle")
