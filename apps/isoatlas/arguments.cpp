@@ -378,18 +378,18 @@ Same as --measure, with N samples in each direction.
   add_value(*command, kRunning, "--threads", "N", R"(
 Number of threads; 0 uses all that the machine has. The result does not depend on it. Default: 0.
 )", [&](const std::string& text) { set(arguments, "threads", text); });
-  CLI::Option* memory = add_value(*command, kBlocks, "--memory", "SIZE", R"(
+  CLI::Option* memory = add_value(*command, kBlockOptions, "--memory", "SIZE", R"(
 Mesh a large volume in blocks that take about this much memory each: 4GiB, 800MB. Samples of
 uncompressed files are then read where they are needed.
 )", [&](const std::string& text) { arguments.memory = parse_bytes(text); });
-  add_value(*command, kBlocks, "--block-size", "NX,NY,NZ", R"(
+  add_value(*command, kBlockOptions, "--block-size", "NX,NY,NZ", R"(
 Mesh the volume in blocks of this many grid cells along x, y and z; one number for cubes.
 )", [&](const std::string& text) { arguments.block_size = parse_block_size(text); })
       ->excludes(memory);
   command->add_option("--parts", arguments.parts, R"(
 Keep the meshes of the blocks in this folder. A run that was ended continues with those that are
 there. Default: in memory.
-)")->type_name("FOLDER")->group(kBlocks);
+)")->type_name("FOLDER")->group(kBlockOptions);
   CLI::Option* quiet = command->add_flag("-q,--quiet", arguments.quiet, R"(
 Print nothing unless something is wrong; no progress bar.
 )");

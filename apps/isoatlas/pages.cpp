@@ -130,7 +130,7 @@ are converted to the unit of the volume; if the volume states no unit, they are 
 
 The same input gives the same bytes, for any number of threads.
 )",
-      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kBlocks, kRunning},
+      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kBlockOptions, kRunning},
       .sections = {{"Examples", R"(isoatlas extract head.nrrd --iso 80.5 -o head.ply
     The surface at 80.5 within half a voxel, in world coordinates.
 
@@ -191,7 +191,7 @@ Neighbouring blocks share one layer of samples, and their meshes fit there verte
 merged mesh has the topology of the isosurface of the whole volume. It does not depend on the order
 of the blocks, or on the number of machines.
 )",
-      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kBlocks, kRunning},
+      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kBlockOptions, kRunning},
       .sections = {{"Examples", R"(isoatlas blocks plan brain.nrrd --iso 80.5 -o brain.ply \
     --memory 4GiB --parts brain-parts
 isoatlas blocks run brain-parts

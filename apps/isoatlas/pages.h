@@ -14,7 +14,7 @@ inline constexpr const char* kMesh = "Mesh";
 inline constexpr const char* kLevels = "Levels";
 inline constexpr const char* kOutput = "Output";
 inline constexpr const char* kDistance = "Distance";
-inline constexpr const char* kBlocks = "Blocks";
+inline constexpr const char* kBlockOptions = "Blocks";
 inline constexpr const char* kRunning = "Running";
 
 ManPage::Text tool_page();

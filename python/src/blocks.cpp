@@ -14,7 +14,7 @@
 namespace isoatlas::detail::python {
 namespace {
 
-constexpr std::string_view kName = "the data of a block";
+constexpr std::string_view kBlockData = "the data of a block";
 
 Grid grid_of(const std::array<std::size_t, 3>& shape, const std::string& order,
              const std::array<double, 3>& spacing, const std::array<double, 3>& origin,
@@ -100,8 +100,8 @@ std::shared_ptr<Levels> BlockedArray::merge(const std::vector<py::bytes>& stored
   const auto work = [bytes, options, plan = plan_](const RunControl& control) {
     std::vector<BlockMesh> meshes;
     for (std::string& it : *bytes) {
-      meshes.push_back(from_bytes<BlockMesh>(it, kName));
-      require_corners_in_range(meshes.back().hierarchy, kName);
+      meshes.push_back(from_bytes<BlockMesh>(it, kBlockData));
+      require_corners_in_range(meshes.back().hierarchy, kBlockData);
       it = {};
     }
     return merge_blocks(plan, std::move(meshes), options, control);

@@ -11,7 +11,7 @@
 namespace isoatlas::detail::python {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_levels(const std::string& message) {
   throw Error(ErrorCode::bad_argument, message);
 }
 
@@ -39,9 +39,9 @@ TypedConstraint constraint_of(const std::string& name, const std::string& text) 
 
 TypedGoals goals_of(const ExtractWords& words, std::uint32_t levels) {
   if (levels > 0 && (words.coarse || !words.refine.empty()))
-    refuse("levels chooses the bounds of all levels, expected it without refine and coarse");
+    refuse_levels("levels chooses the bounds of all levels, expected it without refine and coarse");
   if (words.coarse && !words.refine.empty())
-    refuse("coarse keeps only the coarsest level, expected it without refine");
+    refuse_levels("coarse keeps only the coarsest level, expected it without refine");
   std::vector<GoalArgument> arguments;
   for (const auto& [name, text] : words.constraints) {
     try {

@@ -16,11 +16,11 @@ ISOATLAS_FIELDS(Levels, hierarchy, info, extracted)
 namespace {
 
 constexpr std::string_view kVersion = ISOATLAS_VERSION;
-constexpr std::string_view kName = "the pickled data";
+constexpr std::string_view kPickledData = "the pickled data";
 
 template <class T>
 T unversioned(std::string_view bytes) {
-  ArchiveReader reader(bytes, kName);
+  ArchiveReader reader(bytes, kPickledData);
   std::string version;
   transfer(reader, version);
   if (version != kVersion)
@@ -45,7 +45,7 @@ std::string stored(const VolumeSource& source) {
 
 std::shared_ptr<Levels> levels_from(std::string_view bytes) {
   auto levels = std::make_shared<Levels>(unversioned<Levels>(bytes));
-  require_corners_in_range(levels->hierarchy, kName);
+  require_corners_in_range(levels->hierarchy, kPickledData);
   return levels;
 }
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kFormat = "isoatlas-block-1";
-constexpr const char* kName = "the data of the block";
+constexpr const char* kBlockData = "the data of the block";
 
 struct Header {
   std::string version, inputs, digest;
@@ -112,8 +112,8 @@ BlockFile read_block(const fs::path& path) {
     }
     if (found != header.bytes || !in || digest_of(data) != header.digest)
       throw io::bad_file(path, "is damaged; delete it and make its block again");
-    BlockFile out{from_bytes<BlockMesh>(data, kName), std::move(header.inputs)};
-    require_corners_in_range(out.mesh.hierarchy, kName);
+    BlockFile out{from_bytes<BlockMesh>(data, kBlockData), std::move(header.inputs)};
+    require_corners_in_range(out.mesh.hierarchy, kBlockData);
     return out;
   });
 }
