@@ -13,6 +13,9 @@
 
 namespace isoatlas::detail::tool {
 
+/// The message of an interrupted run that makes such files.
+inline constexpr const char* kBlocksAreKept = "interrupted; the meshes of finished blocks are kept";
+
 /// A range of blocks, `last` excluded.
 struct BlockRange {
   std::size_t first = 0, last = static_cast<std::size_t>(-1);

@@ -139,6 +139,7 @@ int run_blocks_run(const BlocksArguments& arguments, Interruption& interruption)
   const ExtractArguments planned = planned_arguments(arguments.folder);
   ProgressBar progress(!arguments.quiet);
   const Interruption::Cleanup clean_up(interruption, [&] { progress.erase(); });
+  interruption.set_message(kBlocksAreKept);
   const RunControl control{
       .progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); },
       .cancel = &interruption.requested(),

@@ -133,6 +133,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
   const std::size_t planned = arguments.options.levels;
   ExtractOutputs outputs(arguments, planned > 0 ? planned : 1 + arguments.goals.refine.size());
 
+  if (arguments.parts) interruption.set_message(kBlocksAreKept);
   const Interruption::Cleanup clean_up(interruption, [&] {
     progress.erase();
     outputs.discard();

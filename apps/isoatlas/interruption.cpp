@@ -45,7 +45,7 @@ int Interruption::exit_status() const { return kSignalBase + signal_; }
 
 void Interruption::commit(const std::function<void()>& last_step) {
   const std::lock_guard lock(mutex_);
-  if (requested_) throw Error(ErrorCode::cancelled, kInterruptedMessage);
+  if (requested_) throw Error(ErrorCode::cancelled, message());
   last_step();
   finished_ = true;
   finished_changed_.notify_all();
@@ -69,7 +69,7 @@ void Interruption::wait_for_signal() {
   if (finished_changed_.wait_for(lock, kGrace, [this] { return finished_; })) return;
   // The lock is kept until the process ends: the main thread can neither commit nor print.
   for (const auto* run : cleanups_) (*run)();
-  std::fprintf(stderr, "isoatlas: %s\n", kInterruptedMessage);
+  std::fprintf(stderr, "isoatlas: %s\n", message());
   _exit(exit_status());
 }
 

@@ -32,6 +32,11 @@ class Interruption {
 
   const std::atomic<bool>& requested() const { return requested_; }
   int exit_status() const;  ///< 128 + signal
+  /// What is printed about an interrupted run, after "isoatlas: ".
+  const char* message() const { return message_; }
+  /// Sets the message of a run that keeps what it has made so far.
+  /// @param text  not copied
+  void set_message(const char* text) { message_ = text; }
 
   /// Runs `last_step`; later interruptions have no effect. Throws Error(cancelled) if an
   /// interruption came before.
@@ -61,14 +66,12 @@ class Interruption {
   sigset_t signals_{};
   std::atomic<bool> requested_{false}, stopping_{false};
   std::atomic<int> signal_{0};
+  std::atomic<const char*> message_{"interrupted; nothing was written"};
   std::mutex mutex_;  // protects the members below
   std::condition_variable finished_changed_;
   bool finished_ = false;
   std::vector<const std::function<void()>*> cleanups_;
   std::thread waiter_;
 };
-
-/// The message of an interrupted run, after "isoatlas: ".
-inline constexpr const char* kInterruptedMessage = "interrupted; nothing was written";
 
 }  // namespace isoatlas::detail::tool

@@ -41,7 +41,7 @@ int fail_internal(const std::string& message) {
 }
 
 int interrupted(const Interruption& interruption) {
-  std::cerr << "isoatlas: " << kInterruptedMessage << std::endl;
+  std::cerr << "isoatlas: " << interruption.message() << std::endl;
   return interruption.exit_status();
 }
 

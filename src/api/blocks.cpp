@@ -90,7 +90,15 @@ BlockMesh mesh_block(const VolumeView& samples, const BlockPlan& plan, std::size
   ExtractOptions in_block = options;
   in_block.space = Space::voxel;
 
-  Extraction made = extract_block(view, in_block, place, control);
+  Extraction made;
+  try {
+    made = extract_block(view, in_block, place, control);
+  } catch (const Error& error) {
+    if (error.remedy() != Remedy::place_nan) throw;
+    throw error.with_prefix("block " + std::to_string(block) + ", which begins at sample (" +
+                            std::to_string(box.first[0]) + ", " + std::to_string(box.first[1]) +
+                            ", " + std::to_string(box.first[2]) + "): ");
+  }
   BlockMesh out{block, std::move(made.hierarchy), std::move(made.report)};
   out.hierarchy.float32_origin.reset();
   for (Vec3& p : out.hierarchy.positions) p = p + place.first;

@@ -396,6 +396,21 @@ class Blocks(ToolTest):
         self.assertEqual((self.folder / "a.glb").read_bytes(),
                          (self.folder / "p.glb").read_bytes())
 
+    def test_an_interrupted_run_keeps_its_blocks(self):
+        self.plan()
+        run = subprocess.Popen([str(TOOL), "blocks", "run", "parts"], cwd=self.folder,
+                               stderr=subprocess.PIPE, encoding="utf-8", preexec_fn=restore_signals)
+        deadline = time.monotonic() + 60
+        while not list(self.folder.glob("parts/*.mesh")) and time.monotonic() < deadline:
+            time.sleep(0.001)
+        run.send_signal(signal.SIGINT)
+        _, message = run.communicate(timeout=20)
+        if run.returncode == 0:  # it was too fast
+            return
+        self.assertEqual(run.returncode, 130)
+        self.assertEqual(message, "isoatlas: interrupted; the meshes of finished blocks are kept\n")
+        self.assertTrue(list(self.folder.glob("parts/*.mesh")))
+
     def test_runs_share_the_work(self):
         self.plan()
         runs = [subprocess.Popen([TOOL, "blocks", "run", "parts", "-q", "--threads", "1"],

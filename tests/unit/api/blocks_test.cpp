@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -224,6 +225,22 @@ TEST(Blocks, BadPlansAndSamplesAreRefused) {
   const Volume volume = to_volume(sampled({12, 10, 9}, torus({5.5, 4.5, 4}, 3, 1.2)));
   EXPECT_EQ(message([&] { mesh_block(volume, plan, 0, {}); }),
             "block 0 has 6 x 5 x 9 samples, but those given are 12 x 10 x 9");
+}
+
+TEST(Blocks, NonFiniteSamplesAreNamedByTheirBlock) {
+  Grid grid;
+  grid.size = {12, 10, 9};
+  std::vector<float> samples(grid.sample_count(), 1);
+  samples[7 + 12 * (6 + 10 * 3)] = NAN;
+  const Volume volume = own(grid, SampleType::float32, samples);
+  const BlockPlan plan(grid, {5, 4, 8});
+  const std::string found = message([&] { mesh_blocks(volume, plan, {}); });
+  EXPECT_EQ(found.find("block 4, which begins at sample (5, 4, 0): "), 0u) << found;
+  ExtractOptions options;
+  options.surface.isovalue = 0.5;
+  options.surface.non_finite = NonFinite::below;
+  const Extraction merged = merge_blocks(plan, mesh_blocks(volume, plan, options), options);
+  EXPECT_EQ(merged.report.reference, extract(volume, options).report.reference);
 }
 
 TEST(Blocks, TheirSizeForAnAmountOfMemory) {
