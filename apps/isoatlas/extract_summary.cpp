@@ -116,6 +116,8 @@ std::string distance_sampling(const ExtractReport& report) {
 /// The result of recounting all levels. Nesting is compared only if self-intersections are not
 /// allowed.
 std::string recount_text(const ExtractReport& report) {
+  if (report.blocks)  // any other Euler characteristic would have been an error
+    return "the merged triangles have the Euler characteristic of the blocks' surfaces";
   const auto same = [&](const LevelReport& level) { return level.topology == report.reference; };
   const auto is_placed = [](const LevelReport& level) { return level.inverted_components == 0; };
   const std::string what =

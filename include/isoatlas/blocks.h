@@ -78,7 +78,8 @@ ISOATLAS_API BlockMesh mesh_block(const VolumeView& samples, const BlockPlan& pl
 /// Merges the meshes of all blocks into the mesh of the whole volume, and checks the result: every
 /// vertex on a shared face is in all blocks that contain it, every edge there has a triangle on
 /// both sides, the merged triangles of each level are a manifold with the Euler characteristic that
-/// follows from the blocks' isosurfaces, and they have no self-intersections.
+/// follows from the blocks' isosurfaces. Self-intersections are counted
+/// (LevelReport::self_intersections); the nesting of components is not compared.
 ///
 /// Vertices are ordered by the first level that contains them, then by block; those on shared faces
 /// belong to the first of their blocks. The result does not depend on the order of `meshes`.
@@ -88,14 +89,14 @@ ISOATLAS_API BlockMesh mesh_block(const VolumeView& samples, const BlockPlan& pl
 /// @return positions in `options.space`; ExtractReport::blocks is present
 /// @throws Error(bad_argument) if a block is missing or is there twice, or if two do not fit,
 ///         because they were made from different samples, options or versions; Error(empty_surface)
-///         if no block contains a surface; Error(out_of_memory) if there are 2^32 - 1 vertices or
+///         if no block contains a surface; Error(unsupported) if there are 2^32 - 1 vertices or
 ///         more
 /// @cost   O((V + T) log (V + T))
 ISOATLAS_API Extraction merge_blocks(const BlockPlan& plan, std::vector<BlockMesh> meshes,
                                      const ExtractOptions& options, const RunControl& control = {});
 
-/// The largest blocks, as cubes, that take at most about this much memory each: the samples of a
-/// block, and what mesh_block() needs for a surface that crosses a twentieth of the grid cells.
+/// The largest blocks, as cubes, that take about this much memory each. This is an estimate for a
+/// surface that crosses a twentieth of the grid cells; merge_blocks() needs more for large meshes.
 /// @param bytes  memory for one block
 /// @return the size of the whole volume in grid cells if it fits
 ISOATLAS_API Size3 block_size_for(const Grid& grid, SampleType type, std::uint64_t bytes);

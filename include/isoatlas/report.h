@@ -136,7 +136,8 @@ struct ExtractReport {
   std::size_t tunnels = 0;          ///< grid cells with a tunnel; 0 with Topology::faces
   std::vector<std::size_t> coarser_c_vertices;  ///< numbers of c-vertices of the coarser complexes
   /// Counted on the reference surface, without dropped components; with Border::closed, on the
-  /// reference surface and its caps.
+  /// reference surface and its caps. After merge_blocks() it is counted on level 0, whose Euler
+  /// characteristic is compared with that of the blocks' reference surfaces.
   TopologySummary reference;
   /// The components that ExtractOptions::components keeps and drops, largest first; both are empty
   /// if the options keep all.

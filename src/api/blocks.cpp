@@ -110,7 +110,7 @@ BlockMesh mesh_block(const VolumeView& samples, const BlockPlan& plan, std::size
 }
 
 Size3 block_size_for(const Grid& grid, SampleType type, std::uint64_t bytes) {
-  // Measured: docs/scale.md.
+  // Estimates, not measured.
   constexpr double kBytesPerCVertex = 700, kCVerticesPerCell = 0.05;
   const double per_cell =
       static_cast<double>(bytes_per_sample(type)) + kBytesPerCVertex * kCVerticesPerCell;

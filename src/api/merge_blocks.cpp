@@ -139,7 +139,6 @@ class Merger {
   void number_vertices() {
     for (const BlockMesh& m : meshes_) number_.emplace_back(m.hierarchy.positions.size(), kNone);
     std::vector<std::uint32_t> group(seam_.size());  // its first entry in seam_
-    std::vector<std::vector<std::uint32_t>> seam_of(meshes_.size());
     for (std::uint32_t i = 0; i < seam_.size(); ++i) {
       group[i] = i > 0 && seam_[i - 1].at == seam_[i].at ? group[i - 1] : i;
       number_[seam_[i].mesh][seam_[i].vertex] = i;  // until it gets its number
