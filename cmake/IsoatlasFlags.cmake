@@ -26,3 +26,8 @@ function(isoatlas_allow_unity target)
   set_target_properties(${target} PROPERTIES
     UNITY_BUILD ${ISOATLAS_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 0)
 endfunction()
+
+# Of a target that is as fast, measured, at a lower level of optimisation, which compiles sooner.
+function(isoatlas_optimize_at level target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${level}>)
+endfunction()

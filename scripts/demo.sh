@@ -9,7 +9,7 @@ scripts/install_dependencies.sh build
 echo "building (some minutes the first time; log: build/demo/build.log)"
 if ! {
   cmake --preset release -DISOATLAS_BUILD_TESTS=OFF -DISOATLAS_BUILD_PAGE=ON \
-    -DISOATLAS_UNITY_BUILD=ON &&
+    -DISOATLAS_BUILD_VTK_FILTER=OFF -DISOATLAS_UNITY_BUILD=ON &&
     cmake --build --preset release
 } > build/demo/build.log 2>&1; then
   tail -n 40 build/demo/build.log >&2
