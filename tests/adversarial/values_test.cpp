@@ -66,7 +66,7 @@ TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
     visit_sample_type(type, [&]<class T>(const T*) {
       const std::vector<T> values = limits_of_type<T>();
       int meshed = 0;
-      const std::uint64_t seeds = is_night() ? 30 : many() ? 15 : 5;
+      const std::uint64_t seeds = is_night() ? 30 : many() ? 8 : 5;
       for (std::uint64_t seed = 0; seed < seeds && !testing::Test::HasFailure(); ++seed)
         meshed += expect_sound_among(values, type, seed);
       EXPECT_GT(meshed, static_cast<int>(seeds / 3)) << name(type);
@@ -78,7 +78,7 @@ TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
 TEST(Adversarial, Denormals) {
   const auto among = [](SampleType type, const auto& values) {
     int meshed = 0;
-    const std::uint64_t seeds = is_night() ? 70 : many() ? 35 : 8;
+    const std::uint64_t seeds = is_night() ? 70 : many() ? 16 : 8;
     for (std::uint64_t seed = 0; seed < seeds && !testing::Test::HasFailure(); ++seed)
       meshed += expect_sound_among(values, type, seed);
     EXPECT_GT(meshed, static_cast<int>(seeds / 3)) << name(type);

@@ -75,7 +75,7 @@ class Windings {
 
 TEST(Nesting, IsTheSameAtEveryLevel) {
   std::size_t enclosed = 0, inward = 0;
-  const std::uint64_t seeds = is_thorough() ? 60 : 12;
+  const std::uint64_t seeds = is_thorough() ? 30 : 12;
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE(seed);
     const Samples samples = seed % 3 == 0 ? random_samples(Family::white_noise, {12, 11, 13}, seed)

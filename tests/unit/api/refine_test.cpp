@@ -397,7 +397,7 @@ TEST(Edges, TheSmallestVolumes) {
     const Placement placement = signs % 2 ? Placement::surface : Placement::balanced;
     const Extraction e = extract(
         to_volume(s), options_with({{{Quantity::max_distance, 0.25}},
-                                    {{Quantity::max_distance, 0.01}, {Quantity::min_aspect, 0.5}}},
+                                    {{Quantity::max_distance, 0.02}, {Quantity::min_aspect, 0.5}}},
                                    placement));
     expect_sound(e, "signs " + std::to_string(signs));
     if (HasFatalFailure()) return;
