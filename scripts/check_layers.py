@@ -40,6 +40,7 @@ PUBLIC = {
     "isoatlas.h": "api",
     "text_file.h": "files",
     "volume_file.h": "volume_files",
+    "volume_reader.h": "volume_files",
     "mesh_file.h": "mesh_files",
     "vtkIsoAtlas.h": "vtk_filter",
 }
@@ -47,17 +48,19 @@ PUBLIC = {
 PRIVATE_LIBRARIES = {
     r"tbb/": {"core"},
     r"itk": set(),
-    r"(dcmtk|charls|openjpeg|nifti|tiff|png)": {"volume_files"},
+    r"(dcmtk|charls|openjpeg|nifti|tiff|png|blosc|zstd)": {"volume_files"},
     r"openssl/": {"files"},
     r"pugixml": {"volume_files", "mesh_files"},
     r"(tiny_gltf|zip\.h)": {"mesh_files"},
     r"vtk[A-Z]": {"drawing", "vtk_filter"},
-    r"(expat|lzma|lz4)\.h": {"files"},
+    r"(expat|lzma)\.h": {"files"},
+    r"lz4\.h": {"files", "volume_files"},
     r"X11/": {"drawing"},
     r"meshoptimizer": {"page"},
-    r"nlohmann/": {"mesh_files", "report", "page"},
+    r"nlohmann/": {"volume_files", "mesh_files", "report", "page"},
     r"CGAL/": {"geometry"},
-    r"boost/": {"core"},
+    r"boost/crc": {"volume_files"},
+    r"boost/multiprecision": {"core"},
     r"CLI/": set(),
 }
 

@@ -19,6 +19,7 @@ import zipfile
 
 # Debian package -> licence of the library in it.
 LICENCES = {
+    "libblosc1": "BSD-3-Clause",
     "libbrotli1": "MIT",
     "libbz2-1.0": "bzip2-1.0.6",
     "libcharls2": "BSD-3-Clause",
@@ -37,6 +38,7 @@ LICENCES = {
     "libopenjp2-7": "BSD-2-Clause",
     "libpng16-16": "libpng-2.0",
     "libpugixml1v5": "MIT",
+    "libsnappy1v5": "BSD-3-Clause",
     "libssl3": "Apache-2.0",
     "libstb0": "MIT or public domain",
     "libtbb12": "Apache-2.0",

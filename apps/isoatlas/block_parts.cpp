@@ -65,9 +65,9 @@ fs::path BlockParts::path_of(std::size_t block) const {
   return folder_ / ("block-" + number + ".mesh");
 }
 
-std::vector<std::size_t> BlockParts::make(const VolumeView& volume, const ExtractOptions& options,
-                                          const BlockRange& range, const RunControl& control,
-                                          const std::function<void()>& finished) const {
+std::vector<std::size_t> BlockParts::make(const VolumeReader& volume, const ExtractOptions& options,
+                                          const BlockRange& range,
+                                          const RunControl& control) const {
   const std::size_t last = std::min(range.last, plan_.block_count());
   std::vector<std::size_t> elsewhere;
   for (std::size_t b = range.first; b < last; ++b) {
@@ -84,11 +84,11 @@ std::vector<std::size_t> BlockParts::make(const VolumeView& volume, const Extrac
       continue;
     }
     const BlockBox box = plan_.block(b);
-    const VolumeView samples = volume.box(box.first, box.last);
+    const Volume samples = volume.box(box.first, box.last);
     const std::string inputs = block_inputs(samples, plan_, b, options);
     if (inputs_of_block_file(path) != inputs)
       write_block({mesh_block(samples, plan_, b, options, part), inputs}, path);
-    finished();
+    volume.drop();
   }
   return elsewhere;
 }

@@ -5,11 +5,11 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "isoatlas/blocks.h"
+#include "isoatlas/volume_reader.h"
 
 namespace isoatlas::detail::tool {
 
@@ -31,11 +31,9 @@ class BlockParts {
 
   /// Makes the files of blocks that are missing, or were made from other samples, options or by
   /// another version. A block that another run is making is left to it.
-  /// @param finished  called after each block
   /// @return the blocks that other runs are making
-  std::vector<std::size_t> make(const VolumeView& volume, const ExtractOptions& options,
-                                const BlockRange& range, const RunControl& control,
-                                const std::function<void()>& finished) const;
+  std::vector<std::size_t> make(const VolumeReader& volume, const ExtractOptions& options,
+                                const BlockRange& range, const RunControl& control) const;
 
   /// The numbers of the blocks without a file.
   std::vector<std::size_t> missing() const;

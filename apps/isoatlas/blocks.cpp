@@ -11,7 +11,6 @@
 #include "commands.h"
 #include "exit_status.h"
 #include "files/file_error.h"
-#include "files/mapped_file.h"
 #include "isoatlas/error.h"
 #include "isoatlas/text_file.h"
 #include "isoatlas/version.h"
@@ -86,15 +85,9 @@ ExtractArguments planned_arguments(const fs::path& folder) {
   return arguments;
 }
 
-Volume read_mapped(const ExtractArguments& arguments) {
-  ReadOptions read = arguments.volume.read;
-  read.map_samples = true;
-  return read_volume_input(arguments.volume.path, read).volume;
-}
-
-Size3 block_size_of(const ExtractArguments& arguments, const VolumeView& volume) {
+Size3 block_size_of(const ExtractArguments& arguments, const VolumeReader& volume) {
   if (arguments.block_size) return *arguments.block_size;
-  return block_size_for(volume.grid, volume.type, arguments.memory.value_or(kDefaultMemory));
+  return block_size_for(volume.grid(), volume.type(), arguments.memory.value_or(kDefaultMemory));
 }
 
 std::string blocks_text(const std::vector<std::size_t>& blocks) {
@@ -110,8 +103,8 @@ std::string blocks_text(const std::vector<std::size_t>& blocks) {
 }
 
 int run_blocks_plan(const ExtractArguments& arguments, const std::vector<std::string>& words) {
-  const Volume volume = read_mapped(arguments);
-  const BlockPlan plan(volume.view.grid, block_size_of(arguments, volume.view));
+  const VolumeReader volume = open_volume_input(arguments.volume.path, arguments.volume.read);
+  const BlockPlan plan(volume.grid(), block_size_of(arguments, volume));
   const BlockParts parts(*arguments.parts, plan);
   const fs::path path = plan_path(*arguments.parts);
   Json json = {{"schema", kSchema},
@@ -144,18 +137,15 @@ int run_blocks_run(const BlocksArguments& arguments, Interruption& interruption)
       .progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); },
       .cancel = &interruption.requested(),
       .threads = arguments.threads > 0 ? arguments.threads : planned.threads};
-  const Volume volume = read_mapped(planned);
-  const VolumeView& view = volume.view;
-  const BlockPlan plan(view.grid, block_size_of(planned, view));
+  const VolumeReader volume = open_volume_input(planned.volume.path, planned.volume.read);
+  const BlockPlan plan(volume.grid(), block_size_of(planned, volume));
   if (arguments.range.first >= plan.block_count())
     throw Error(ErrorCode::bad_argument, "--blocks: the plan has the blocks 0 to " +
                                              std::to_string(plan.block_count() - 1) + ", found " +
                                              std::to_string(arguments.range.first));
   const BlockParts parts(*planned.parts, plan);
-  const std::size_t bytes = view.grid.sample_count() * bytes_per_sample(view.type);
   const std::vector<std::size_t> elsewhere =
-      parts.make(view, in_world(planned, view.grid), arguments.range, control,
-                 [&] { io::drop_mapped_pages(view.samples, bytes); });
+      parts.make(volume, in_world(planned, volume.grid()), arguments.range, control);
   progress.finish();
   if (arguments.quiet) return kSuccess;
   const std::size_t missing = parts.missing().size();

@@ -15,7 +15,6 @@
 #include "exit_status.h"
 #include "extract_outputs.h"
 #include "extract_summary.h"
-#include "files/mapped_file.h"
 #include "isoatlas/blocks.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
@@ -52,19 +51,17 @@ void warn_of_memory(std::ostream& out, std::uint64_t bytes, std::uint32_t factor
 }
 
 /// Meshes the volume in blocks, or merges the blocks that are there.
-Extraction extract_blocks(const ExtractArguments& arguments, const VolumeView& volume,
+Extraction extract_blocks(const ExtractArguments& arguments, const VolumeReader& volume,
                           const ExtractOptions& options, const RunControl& control) {
-  const Size3 block_size = block_size_of(arguments, volume);
-  const std::size_t bytes = volume.grid.sample_count() * bytes_per_sample(volume.type);
-  const auto drop_samples = [&] { io::drop_mapped_pages(volume.samples, bytes); };
-  if (!arguments.parts)
-    return extract_in_blocks(volume, block_size, options, control,
-                             [&](std::size_t) { drop_samples(); });
-  const BlockPlan plan(volume.grid, block_size);
+  const BlockPlan plan(volume.grid(), block_size_of(arguments, volume));
+  if (!arguments.parts) {
+    return extract_in_blocks(
+        plan, [&](const BlockBox& box) { return volume.box(box.first, box.last); }, options,
+        control, [&](std::size_t) { volume.drop(); });
+  }
   const BlockParts parts(*arguments.parts, plan);
   if (!arguments.only_merges) {
-    const std::vector<std::size_t> elsewhere =
-        parts.make(volume, options, {}, control, drop_samples);
+    const std::vector<std::size_t> elsewhere = parts.make(volume, options, {}, control);
     if (!elsewhere.empty())
       throw Error(ErrorCode::bad_argument, "another run is making " + blocks_text(elsewhere) +
                                                "; run `isoatlas blocks merge` when it has ended");
@@ -77,12 +74,26 @@ Extraction extract_blocks(const ExtractArguments& arguments, const VolumeView& v
   return parts.merge(options, control);
 }
 
+/// The volume of the arguments. For blocks it gets a reader, and has samples only if the page needs
+/// them.
+VolumeFile read_input(const ExtractArguments& arguments, std::optional<VolumeReader>& reader) {
+  if (!arguments.is_in_blocks())
+    return read_volume_input(arguments.volume.path, arguments.volume.read);
+  reader.emplace(open_volume_input(arguments.volume.path, arguments.volume.read));
+  VolumeFile file{{}, reader->source()};
+  const Size3& size = reader->grid().size;
+  if (arguments.page) file.volume = reader->box({0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1});
+  file.volume.view.grid = reader->grid();
+  file.volume.view.type = reader->type();
+  return file;
+}
+
 /// Runs the extraction. Errors of the library get the name of the volume as prefix.
 Extraction extract_from(const ExtractArguments& arguments, const VolumeView& volume,
-                        const ExtractOptions& options, const RunControl& control,
-                        std::ostream& messages) {
+                        const std::optional<VolumeReader>& reader, const ExtractOptions& options,
+                        const RunControl& control, std::ostream& messages) {
   try {
-    if (arguments.is_in_blocks()) return extract_blocks(arguments, volume, options, control);
+    if (reader) return extract_blocks(arguments, *reader, options, control);
     warn_of_memory(messages, require_memory_for_supersampling(volume, options, 0, control),
                    options.supersample);
     return extract(volume, options, control);
@@ -148,21 +159,22 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
 
   progress.show("read", std::nullopt);
   const Stopwatch reading;
-  ReadOptions read = arguments.volume.read;
-  read.map_samples = arguments.is_in_blocks();
-  VolumeFile file = read_volume_input(arguments.volume.path, read);
+  std::optional<VolumeReader> reader;  // for blocks
+  VolumeFile file = read_input(arguments, reader);
   if (!file.source.warnings.empty()) progress.clear_line();
   print_warnings(console.messages, arguments.volume.path, file.source);
   Volume volume = std::move(file.volume);
   context.read_seconds = reading.seconds();
   context.volume = {arguments.volume.path.string(), std::move(file.source), "", volume.view.grid,
                     volume.view.type};
-  if (arguments.report || arguments.page) context.volume.sample_digest = sample_digest(volume);
+  if (arguments.report || arguments.page)
+    context.volume.sample_digest = reader ? reader->digest() : sample_digest(volume);
   context.options = options_in_world(arguments, volume.view.grid);
   if (arguments.label) mesh_label(arguments, volume, context.options);
   const ExtractOptions& options = context.options;
 
-  Extraction extraction = extract_from(arguments, volume, options, control, console.messages);
+  Extraction extraction =
+      extract_from(arguments, volume, reader, options, control, console.messages);
   ExtractReport& report = extraction.report;
   std::optional<MeshQuality> marching_cubes;  // shown on the page for comparison
   if (arguments.page) {
@@ -174,6 +186,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
                                to_index(std::move(kept), volume.view.grid, options.space));
   }
   volume = {};  // frees memory for writing
+  reader.reset();
 
   progress.show("write", std::nullopt);
   control.check_cancelled();

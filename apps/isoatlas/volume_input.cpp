@@ -8,15 +8,28 @@
 
 namespace isoatlas::detail::tool {
 
-VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOptions& options) {
+namespace {
+
+template <class Read>
+auto naming_options(Read read) {
   try {
-    return read_volume_file(path, options);
+    return read();
   } catch (const ChoiceNeeded& needed) {
     const std::string option = "--" + needed.choice().name;
     throw ChoiceNeeded(
         needed.what() + ("; choose with " + option + ", for example " + option + " 0"),
         needed.choice(), needed.source());
   }
+}
+
+}  // namespace
+
+VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOptions& options) {
+  return naming_options([&] { return read_volume_file(path, options); });
+}
+
+VolumeReader open_volume_input(const std::filesystem::path& path, const ReadOptions& options) {
+  return naming_options([&] { return VolumeReader(path, options); });
 }
 
 std::string volume_name(const std::filesystem::path& path) {

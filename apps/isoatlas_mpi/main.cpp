@@ -18,10 +18,10 @@
 #include "commands.h"
 #include "error_text.h"
 #include "exit_status.h"
-#include "files/mapped_file.h"
 #include "isoatlas/error.h"
 #include "isoatlas/version.h"
 #include "text.h"
+#include "volume_input.h"
 
 namespace isoatlas::detail::tool {
 namespace {
@@ -94,21 +94,18 @@ BlocksArguments arguments_from(const std::vector<std::string>& words) {
 
 int run(const BlocksArguments& arguments) {
   const ExtractArguments planned = planned_arguments(arguments.folder);
-  const Volume volume = read_mapped(planned);
-  const VolumeView& view = volume.view;
-  const BlockPlan plan(view.grid, block_size_of(planned, view));
+  const VolumeReader volume = open_volume_input(planned.volume.path, planned.volume.read);
+  const BlockPlan plan(volume.grid(), block_size_of(planned, volume));
   const BlockParts parts(*planned.parts, plan);
-  const ExtractOptions options = in_world(planned, view.grid);
+  const ExtractOptions options = in_world(planned, volume.grid());
   RunControl control;
   control.threads = arguments.threads;
-  const std::size_t bytes = view.grid.sample_count() * bytes_per_sample(view.type);
   const auto count = static_cast<int>(plan.block_count());
   {
     BlockQueue queue(count);
     for (int b = queue.next(); b < count; b = queue.next()) {
       const auto block = static_cast<std::size_t>(b);
-      parts.make(view, options, {block, block + 1}, control,
-                 [&] { io::drop_mapped_pages(view.samples, bytes); });
+      parts.make(volume, options, {block, block + 1}, control);
     }
   }
   MPI_Barrier(MPI_COMM_WORLD);

@@ -101,11 +101,19 @@ ISOATLAS_API Extraction merge_blocks(const BlockPlan& plan, std::vector<BlockMes
 /// @return the size of the whole volume in grid cells if it fits
 ISOATLAS_API Size3 block_size_for(const Grid& grid, SampleType type, std::uint64_t bytes);
 
-/// Meshes all blocks of a volume, one after the other, and merges them. Only one block is copied at
-/// a time, so samples that are mapped from a file (ReadOptions::map_samples) are never in memory as
-/// a whole.
+/// Reads the samples of a block, for example VolumeReader::box().
+using SamplesOfBlock = std::function<Volume(const BlockBox&)>;
+
+/// Meshes all blocks of a volume, one after the other, and merges them. The samples of one block
+/// are in memory at a time.
 /// @param finished  called after each block with its number
-/// @throws as mesh_block() and merge_blocks()
+/// @throws as mesh_block(), merge_blocks() and `samples_of`
+ISOATLAS_API Extraction extract_in_blocks(const BlockPlan& plan, const SamplesOfBlock& samples_of,
+                                          const ExtractOptions& options,
+                                          const RunControl& control = {},
+                                          const std::function<void(std::size_t)>& finished = {});
+
+/// The same for a volume in memory, or mapped from a file (ReadOptions::map_samples).
 ISOATLAS_API Extraction extract_in_blocks(const VolumeView& volume, const Size3& block_size,
                                           const ExtractOptions& options,
                                           const RunControl& control = {},

@@ -8,3 +8,4 @@
 #include "isoatlas/mesh_file.h"
 #include "isoatlas/text_file.h"
 #include "isoatlas/volume_file.h"
+#include "isoatlas/volume_reader.h"

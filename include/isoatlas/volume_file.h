@@ -50,8 +50,9 @@ struct ReadOptions {
   /// Largest allowed size of the samples in bytes; 0: three quarters of the machine's memory.
   std::uint64_t max_memory = 0;
   /// Map the samples of an uncompressed file in this machine's byte order into memory, so that they
-  /// are read from the file where they are used. `max_memory` then does not apply. The file must
-  /// not be changed as long as the volume exists. Other files are read whole.
+  /// are read from the file where they are used. The file must not be changed as long as the volume
+  /// exists. The samples of other files are unpacked into a temporary file in $TMPDIR, or else
+  /// /tmp, which is mapped and deleted at once. `max_memory` does not apply to either.
   bool map_samples = false;
 };
 

@@ -136,10 +136,9 @@ Size3 block_size_for(const Grid& grid, SampleType type, std::uint64_t bytes) {
   return out;
 }
 
-Extraction extract_in_blocks(const VolumeView& volume, const Size3& block_size,
+Extraction extract_in_blocks(const BlockPlan& plan, const SamplesOfBlock& samples_of,
                              const ExtractOptions& options, const RunControl& control,
                              const std::function<void(std::size_t)>& finished) {
-  const BlockPlan plan(volume.grid, block_size);
   const auto count = static_cast<double>(plan.block_count());
   std::vector<BlockMesh> meshes;
   for (std::size_t b = 0; b < plan.block_count(); ++b) {
@@ -149,14 +148,23 @@ Extraction extract_in_blocks(const VolumeView& volume, const Size3& block_size,
         control.progress("blocks", (static_cast<double>(b) + fraction) / count);
       };
     }
-    const BlockBox box = plan.block(b);
-    meshes.push_back(mesh_block(volume.box(box.first, box.last), plan, b, options, part));
+    const Volume samples = samples_of(plan.block(b));
+    meshes.push_back(mesh_block(samples, plan, b, options, part));
     if (finished) finished(b);
   }
   RunControl quiet = control;
   quiet.progress = nullptr;
   control.report("merge", 1);
   return merge_blocks(plan, std::move(meshes), options, quiet);
+}
+
+Extraction extract_in_blocks(const VolumeView& volume, const Size3& block_size,
+                             const ExtractOptions& options, const RunControl& control,
+                             const std::function<void(std::size_t)>& finished) {
+  const auto box = [&](const BlockBox& block) {
+    return Volume{volume.box(block.first, block.last), {}};
+  };
+  return extract_in_blocks(BlockPlan(volume.grid, block_size), box, options, control, finished);
 }
 
 }  // namespace isoatlas

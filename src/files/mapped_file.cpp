@@ -12,6 +12,7 @@
 #include <string>
 
 #include "files/file_error.h"
+#include "files/temporary_file.h"
 
 namespace isoatlas::detail::io {
 namespace {
@@ -44,6 +45,16 @@ class MappedRanges {
   std::map<const std::byte*, std::size_t> bytes_from_;
 };
 
+// The bytes from `first` on of a mapping, which ends with its last owner.
+std::shared_ptr<std::byte[]> owned_mapping(std::byte* start, std::size_t length,
+                                           std::size_t first) {
+  MappedRanges::get().add(start, length);
+  return {start + first, [start, length](std::byte*) {
+            MappedRanges::get().remove(start);
+            munmap(start, length);
+          }};
+}
+
 }  // namespace
 
 std::shared_ptr<std::byte[]> map_file(const std::filesystem::path& path, std::uint64_t offset,
@@ -59,12 +70,28 @@ std::shared_ptr<std::byte[]> map_file(const std::filesystem::path& path, std::ui
   if (file >= 0) close(file);
   if (memory == MAP_FAILED)
     throw bad_file(path, "cannot be mapped into memory: " + system_text(error));
-  auto* const start = static_cast<std::byte*>(memory);
-  MappedRanges::get().add(start, length);
-  return {start + (offset - begin), [start, length](std::byte*) {
-            MappedRanges::get().remove(start);
-            munmap(start, length);
-          }};
+  return owned_mapping(static_cast<std::byte*>(memory), length,
+                       static_cast<std::size_t>(offset - begin));
+}
+
+std::shared_ptr<std::byte[]> memory_in_temporary_file(std::uint64_t bytes) {
+  const auto length = static_cast<std::size_t>(bytes);
+  const int file = open_unnamed_file();
+  int error = file < 0 ? errno : 0;
+  // Not ftruncate(): if the disk became full later, this process would end.
+  if (error == 0) error = posix_fallocate(file, 0, static_cast<off_t>(bytes));
+  void* memory = MAP_FAILED;
+  if (error == 0) {
+    memory = mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    if (memory == MAP_FAILED) error = errno;
+  }
+  if (file >= 0) close(file);
+  if (error != 0)
+    throw Error(ErrorCode::out_of_memory,
+                one_line(temporary_folder().string() + ": a temporary file of " +
+                         std::to_string(bytes) + " bytes for samples cannot be made: " +
+                         system_text(error) + "; set TMPDIR to a folder with enough space"));
+  return owned_mapping(static_cast<std::byte*>(memory), length, 0);
 }
 
 void drop_mapped_pages(const void* bytes, std::size_t count) {

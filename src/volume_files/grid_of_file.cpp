@@ -123,6 +123,7 @@ std::shared_ptr<std::byte[]> mapped_samples(const std::filesystem::path& path, s
 
 std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,
                                               std::uint64_t bytes, const ReadOptions& options) {
+  if (options.map_samples) return memory_in_temporary_file(bytes);
   require_within_memory_limit(path, bytes, options);
   try {
     const std::shared_ptr<std::byte[]> samples(new std::byte[bytes]);

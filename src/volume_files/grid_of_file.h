@@ -40,7 +40,8 @@ std::shared_ptr<std::byte[]> mapped_samples(const std::filesystem::path& path, s
                                             std::uint64_t bytes, std::size_t bytes_per_sample,
                                             const ReadOptions& options);
 
-/// Allocates memory for samples, not initialised, aligned for any sample type.
+/// Allocates memory for samples, not initialised, aligned for any sample type; in a temporary file
+/// with ReadOptions::map_samples.
 /// @throws Error(out_of_memory) if there is not enough, or `bytes` is more than
 /// `options.max_memory`
 std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,

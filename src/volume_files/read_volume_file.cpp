@@ -10,9 +10,12 @@
 #include "files/file_error.h"
 #include "isoatlas/volume_file.h"
 #include "volume_files/image_stack.h"
+#include "volume_files/read_without_samples.h"
 #include "volume_files/readers.h"
+#include "volume_files/region.h"
 #include "volume_files/standard_input.h"
 #include "volume_files/volume_format.h"
+#include "volume_files/zarr_array.h"
 
 namespace isoatlas {
 using namespace detail;
@@ -88,40 +91,45 @@ void apply_spacing(const ReadOptions& options, VolumeFile& file) {
   }
 }
 
+// After a reader that reads the whole volume.
 void keep_region(const ReadOptions& options, VolumeFile& file, const fs::path& path) {
   if (!options.region) return;
-  const Region& wanted = *options.region;
-  const std::array<std::size_t, 3>& size = file.volume.view.grid.size;
-  std::array<std::size_t, 3> last{};
-  std::string text;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::string axis(1, "xyz"[a]);
-    last[a] = wanted.last[a] == Region::kEnd ? size[a] - 1 : wanted.last[a];
-    if (last[a] >= size[a] || wanted.first[a] >= last[a]) {
-      throw Error(ErrorCode::bad_argument,
-                  io::one_line(path.string()) + ": the region has samples " +
-                      std::to_string(wanted.first[a]) + " to " + std::to_string(last[a]) +
-                      " along " + axis + ", expected two or more of 0 to " +
-                      std::to_string(size[a] - 1));
-    }
-    text += (a == 0 ? "" : ", ") + axis + " " + std::to_string(wanted.first[a]) + " to " +
-            std::to_string(last[a]);
-  }
-  file.volume = detail::dense_volume(file.volume.view.box(wanted.first, last), file.volume.owner);
-  file.source.decisions.push_back({"region", text});
+  const io::SelectedRegion region =
+      io::selected_region(path, file.volume.view.grid.size, options, file.source);
+  const Grid grid = io::grid_of_region(file.volume.view.grid, region, file.source);
+  file.volume =
+      detail::dense_volume(file.volume.view.box(region.first, region.last), file.volume.owner);
+  file.volume.view.grid = grid;
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
 }
 
 VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
   if (options.raw) {
     return io::read_raw(path, options);
   }
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
+  if (is_folder(path)) {
     return io::is_image_stack(path) ? io::read_image_stack(path, options)
                                     : io::read_dicom(path, options);
   }
   io::readable_file_size(path);  // reports a missing, empty or unreadable file first
   return io::format_of(path).read(path, options);
+}
+
+VolumeFile read_checked(const fs::path& path, const ReadOptions& options, bool with_samples) {
+  return io::translate_exceptions(path, [&] {
+    require_valid(options, path);
+    const bool reads_region = io::reads_boxes(path, options);
+    VolumeFile file =
+        reads_region ? io::read_zarr(path, options, with_samples) : read_path(path, options);
+    require_used(options, file, path);
+    if (!reads_region) keep_region(options, file, path);
+    apply_spacing(options, file);
+    return file;
+  });
 }
 
 // Standard input is read from a temporary file, whose name means nothing to the user: messages name
@@ -153,14 +161,15 @@ VolumeFile read_volume_file(const fs::path& path, const ReadOptions& options) {
       rethrow_named(error, input.path());
     }
   }
-  return io::translate_exceptions(path, [&] {
-    require_valid(options, path);
-    VolumeFile file = read_path(path, options);
-    require_used(options, file, path);
-    apply_spacing(options, file);
-    keep_region(options, file, path);
-    return file;
-  });
+  return read_checked(path, options, true);
+}
+
+bool io::reads_boxes(const fs::path& path, const ReadOptions& options) {
+  return !options.raw && is_folder(path) && is_zarr(path);
+}
+
+VolumeFile io::read_without_samples(const fs::path& path, const ReadOptions& options) {
+  return read_checked(path, options, false);
 }
 
 Volume read_volume(const fs::path& path, const ReadOptions& options) {

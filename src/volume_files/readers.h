@@ -27,5 +27,8 @@ VolumeFile read_vtk_xml(const std::filesystem::path& path, const ReadOptions& op
 VolumeFile read_dicom(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_image_stack(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_raw(const std::filesystem::path& path, const ReadOptions& options);
+/// Reads no more than the region of the options; without samples, VolumeView::samples is null.
+VolumeFile read_zarr(const std::filesystem::path& folder, const ReadOptions& options,
+                     bool with_samples);
 
 }  // namespace isoatlas::detail::io

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "files/file_error.h"
+#include "files/temporary_file.h"
 
 namespace isoatlas::detail::io {
 
@@ -16,17 +17,6 @@ namespace {
 
 [[noreturn]] void fail(const char* what, int error) {
   throw bad_file(kStandardInputName, std::string(what) + ": " + system_text(error));
-}
-
-// Unlinks the file at once, so that nothing is left however this process ends.
-int open_unnamed_file() {
-  std::error_code error;
-  std::filesystem::path folder = std::filesystem::temp_directory_path(error);
-  if (error) folder = "/tmp";
-  std::string name = (folder / "isoatlas-XXXXXX").string();
-  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor >= 0) unlink(name.c_str());
-  return descriptor;
 }
 
 void write_all(int descriptor, const char* from, std::size_t bytes) {
