@@ -27,7 +27,8 @@ measure again:
 Sections: `coarse`, `threads`, `refined`, `growth`, `budget`, `peers`. `--help` lists the options
 for time limit, memory limit and number of repeats. Measuring some isosurfaces replaces only their
 rows. `bench/instructions.py` is a second check without a clock: it compares the [instruction
-counts](../CONTRIBUTING.md) of three small volumes.
+counts](../CONTRIBUTING.md) of three small volumes. `bench/large.py` measures [volumes in
+blocks](scale.md#what-blocks-cost).
 
 ## What is measured
 

@@ -15,7 +15,7 @@ namespace isoatlas::detail::io {
 /// @throws Error(bad_file) if it is no JSON object
 nlohmann::json zarr_json(const std::filesystem::path& folder, const char* file);
 
-/// The user's attributes of a group or array, of either version; an empty object if it has no attributes.
+/// The user's attributes of a group or array, of either version; an empty object if it has none.
 nlohmann::json zarr_attributes(const std::filesystem::path& folder);
 
 /// The text of a key of an object; empty if it is missing or no text.
