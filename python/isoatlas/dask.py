@@ -27,7 +27,7 @@ from ._mesh import Mesh
 from ._progress import ProgressLike, progress_callback
 from ._volume import Order, order_of, states_order
 from ._words import Number
-from .errors import BadArgumentError
+from .errors import BadArgumentError, BadFileError, Error
 
 __all__ = ["extract"]
 
@@ -86,6 +86,8 @@ def extract(
         A ``ValueError``: an option that needs the whole surface, or samples that are not numbers.
     EmptySurfaceError
         A ``ValueError``: all samples are on one side of ``iso``.
+    BadFileError
+        An ``OSError``: a chunk of the array cannot be read; the message has its index.
     """
     cut = (int(blocks),) * 3 if isinstance(blocks, (int, np.integer)) else tuple(map(int, blocks))
     if len(cut) != 3 or min(cut) < 1:
@@ -109,12 +111,21 @@ def extract(
     plan = _plan(geometry, iso, options)
     task = dask.delayed(_mesh_block, pure=False)
     tasks = []
-    for block in range(len(plan)):
-        box = tuple(slice(first, end) for first, end in plan.slices(block))
+    boxes = [
+        tuple(slice(first, end) for first, end in plan.slices(block)) for block in range(len(plan))
+    ]
+    for block, box in enumerate(boxes):
         part = lazy[box] if lazy is not None else dask.delayed(_part, pure=False)(array, box)
         tasks.append(task(geometry, iso, options, block, part))
+    unfinished = dict(enumerate(boxes))
     with progress_callback(progress) as callback:
-        meshes = _computed(tasks, client, callback)
+        try:
+            meshes = _computed(tasks, client, callback, unfinished)
+        except Error:
+            raise
+        except Exception as error:
+            _name_unreadable_chunk(array, list(unfinished.values()), error)
+            raise
         levels = plan.merge(meshes, None)
     return Mesh(levels, states_order(None, order, spacing, origin, direction))
 
@@ -139,8 +150,10 @@ def _mesh_block(
     return plan.mesh(block, np.ascontiguousarray(as_samples(samples)))
 
 
-def _computed(tasks: list[Any], client: Any, progress: Any) -> list[bytes]:
-    """The results of all tasks, in their order."""
+def _computed(
+    tasks: list[Any], client: Any, progress: Any, unfinished: dict[int, Any]
+) -> list[bytes]:
+    """The results of all tasks, in their order. Those that are finished leave `unfinished`."""
     if client is None:
         try:
             from distributed import get_client
@@ -148,23 +161,72 @@ def _computed(tasks: list[Any], client: Any, progress: Any) -> list[bytes]:
             client = get_client()
         except (ImportError, ValueError):
             pass
+    numbers = {task.key: block for block, task in enumerate(tasks)}
+
+    def finish(key: Any) -> None:
+        unfinished.pop(numbers[key], None)
+        if progress is not None:
+            progress("blocks", 1 - len(unfinished) / len(tasks))
+
     if client is None:
         from dask.callbacks import Callback
 
-        done = 0
-
-        def finished(key: Any, result: Any, *_: Any) -> None:
-            nonlocal done
-            done += isinstance(result, bytes)
-            if progress is not None:
-                progress("blocks", done / len(tasks))
+        def finished(key: Any, *_: Any) -> None:
+            if key in numbers:
+                finish(key)
 
         with Callback(posttask=finished):
-            return list(dask.compute(*tasks, scheduler="threads"))
+            return list(dask.compute(*tasks, scheduler="threads", optimize_graph=False))
     from distributed import as_completed
 
-    futures = client.compute(tasks)
-    for done, _ in enumerate(as_completed(futures), 1):
-        if progress is not None:
-            progress("blocks", done / len(tasks))
-    return list(client.gather(futures))
+    futures = client.compute(tasks, optimize_graph=False)
+    numbers = {future.key: block for block, future in enumerate(futures)}
+    try:
+        for future in as_completed(futures):
+            if future.status != "finished":
+                # Only chunks of its block can be damaged.
+                box = unfinished[numbers[future.key]]
+                unfinished.clear()
+                unfinished[0] = box
+                future.result()  # raises the error
+            finish(future.key)
+        return list(client.gather(futures))
+    except Exception:
+        client.cancel(futures)
+        raise
+
+
+def _name_unreadable_chunk(array: Any, boxes: list[tuple[slice, ...]], error: Exception) -> None:
+    """Raises a BadFileError if a chunk of the array in one of the boxes cannot be read."""
+    chunks = getattr(array, "chunks", None)
+    if chunks is None:
+        return
+    if isinstance(chunks[0], int):
+        chunks = tuple(
+            tuple(min(step, n - first) for first in range(0, n, step))
+            for n, step in zip(array.shape, chunks)
+        )
+    ends = [np.cumsum(sizes) for sizes in chunks]
+    tried = set()
+    for box in boxes:
+        first = [int(np.searchsorted(e, b.start, "right")) for e, b in zip(ends, box)]
+        last = [int(np.searchsorted(e, b.stop - 1, "right")) for e, b in zip(ends, box)]
+        for index in np.ndindex(*(b - a + 1 for a, b in zip(first, last))):
+            chunk = tuple(int(a + i) for a, i in zip(first, index))
+            if chunk in tried:
+                continue
+            tried.add(chunk)
+            samples = tuple(
+                slice(int(e[i] - sizes[i]), int(e[i])) for e, sizes, i in zip(ends, chunks, chunk)
+            )
+            try:
+                if isinstance(array, dask.array.Array):
+                    array[samples].compute(scheduler="synchronous")
+                else:
+                    np.asarray(array[samples])
+            except Exception as cause:
+                where = ", ".join(f"{s.start}:{s.stop}" for s in samples)
+                raise BadFileError(
+                    f"chunk {chunk} of the array, samples [{where}], cannot be read: "
+                    f"{type(cause).__name__}: {' '.join(str(cause).split())}"
+                ) from error

@@ -99,6 +99,51 @@ def test_a_killed_worker_costs_only_its_blocks(samples, mesh, client):
     assert done[-1] == 1.0 and sorted(done) == done
 
 
+def damaged_arrays(samples, folder):
+    """Arrays of each kind with one damaged chunk."""
+    stored = zarr.create_array(str(folder / "a.zarr"), shape=samples.shape, chunks=(9, 10, 11),
+                               dtype=samples.dtype)
+    stored[:] = samples
+    chunk = folder / "a.zarr" / "c" / "1" / "2" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:-40])
+    with h5py.File(folder / "a.h5", "w") as file:
+        data = file.create_dataset("a", data=samples, chunks=(9, 10, 11), compression="gzip",
+                                   fletcher32=True)
+        place = data.id.get_chunk_info_by_coord((9, 20, 0))
+    with open(folder / "a.h5", "r+b") as file:
+        file.seek(place.byte_offset + 20)
+        file.write(b"damaged")
+
+    def of_block(block, block_info=None):
+        if block_info[0]["chunk-location"] == (1, 2, 0):
+            raise RuntimeError("no such\nobject")
+        return block
+
+    return [stored, dask.array.from_zarr(stored), h5py.File(folder / "a.h5")["a"],
+            dask.array.from_array(samples, chunks=(9, 10, 11)).map_blocks(
+                of_block, dtype=samples.dtype)]
+
+
+def test_a_damaged_chunk_is_named(samples, client, tmp_path):
+    arrays = damaged_arrays(samples, tmp_path)
+    for array in arrays:
+        for scheduler in [None] if array is arrays[2] else [None, client]:
+            with pytest.raises(isoatlas.BadFileError) as caught:
+                isoatlas.dask.extract(array, 20.5, blocks=(12, 14, 16), client=scheduler, **OPTIONS)
+            text = str(caught.value)
+            assert text.startswith("chunk (1, 2, 0) of the array, samples [9:18, 20:29, 0:11], "
+                                   "cannot be read: "), text
+            assert "\n" not in text
+
+
+def test_other_errors_of_an_array_are_its_own(samples):
+    def of_block(block):
+        raise KeyError("a bug in a pipeline")
+
+    with pytest.raises(isoatlas.BadFileError, match=r"chunk \(0, 0, 0\).*KeyError: 'a bug in a"):
+        isoatlas.dask.extract(dask.array.from_array(samples).map_blocks(of_block, dtype="i2"), 20.5)
+
+
 def test_bad_arguments_are_refused(samples):
     with pytest.raises(isoatlas.BadArgumentError, match="blocks: expected 1 or 3 numbers"):
         isoatlas.dask.extract(samples, 20.5, blocks=(4, 4))
