@@ -98,6 +98,7 @@ Extraction extract_from(const ExtractArguments& arguments, const VolumeView& vol
                    options.supersample);
     return extract(volume, options, control);
   } catch (const Error& error) {
+    if (error.code() == ErrorCode::bad_file) throw;  // of a block's file, which it names
     throw error.with_prefix(volume_name(arguments.volume.path) + ": ");
   }
 }

@@ -8,9 +8,12 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <new>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "block_parts.h"
@@ -92,35 +95,85 @@ BlocksArguments arguments_from(const std::vector<std::string>& words) {
   return out;
 }
 
-int run(const BlocksArguments& arguments) {
-  const ExtractArguments planned = planned_arguments(arguments.folder);
-  const VolumeReader volume = open_volume_input(planned.volume.path, planned.volume.read);
+/// What every rank needs before it meshes blocks.
+struct Job {
+  BlocksArguments arguments;
+  ExtractArguments planned;
+  VolumeReader volume;
+  BlockPlan plan;
+};
+
+Job job_from(const std::vector<std::string>& words, bool is_threaded) {
+  if (!is_threaded)
+    throw Error(ErrorCode::unsupported,
+                "this MPI has no MPI_THREAD_MULTIPLE; use `isoatlas blocks run` on each machine");
+  BlocksArguments arguments = arguments_from(words);
+  ExtractArguments planned = planned_arguments(arguments.folder);
+  VolumeReader volume = open_volume_input(planned.volume.path, planned.volume.read);
   const BlockPlan plan(volume.grid(), block_size_of(planned, volume));
-  const BlockParts parts(*planned.parts, plan);
-  const ExtractOptions options = in_world(planned, volume.grid());
+  return {std::move(arguments), std::move(planned), std::move(volume), plan};
+}
+
+int rank_of_this_process() {
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  return rank;
+}
+
+int run(const Job& job) {
+  const BlockParts parts(*job.planned.parts, job.plan);
+  const ExtractOptions options = in_world(job.planned, job.volume.grid());
   RunControl control;
-  control.threads = arguments.threads;
-  const auto count = static_cast<int>(plan.block_count());
+  control.threads = job.arguments.threads;
+  const auto count = static_cast<int>(job.plan.block_count());
   {
     BlockQueue queue(count);
     for (int b = queue.next(); b < count; b = queue.next()) {
       const auto block = static_cast<std::size_t>(b);
-      parts.make(volume, options, {block, block + 1}, control);
+      parts.make(job.volume, options, {block, block + 1}, control);
     }
   }
   MPI_Barrier(MPI_COMM_WORLD);
-  int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  if (rank != 0) return kSuccess;
+  if (rank_of_this_process() != 0) return kSuccess;
   Interruption interruption;
-  return run_blocks_merge(arguments, interruption);
+  return run_blocks_merge(job.arguments, interruption);
 }
 
-/// Prints the error of this rank and ends all of them.
-[[noreturn]] void end_all(int status, const std::string& message) {
-  std::cerr << "isoatlas-mpi: error: " << one_line(message) << std::endl;
-  MPI_Abort(MPI_COMM_WORLD, status);
-  std::abort();
+struct Failure {
+  int status;
+  std::string message;
+};
+
+/// Runs `work` and calls failed() with the error, if there is one.
+template <class Work, class Failed>
+void report_errors(Work work, Failed failed) {
+  try {
+    work();
+  } catch (const Error& error) {
+    failed(Failure{exit_status(error.code()), error_text(error)});
+  } catch (const std::bad_alloc&) {
+    failed(Failure{kOutOfMemory, "out of memory"});
+  } catch (const std::exception& error) {
+    failed(Failure{kInternal, error.what()});
+  }
+}
+
+void print(const Failure& failure) {
+  std::cerr << "isoatlas-mpi: error: " << one_line(failure.message) << std::endl;
+}
+
+/// What is wrong before the first block is wrong on all ranks: the first of them prints it.
+/// @return the status of the first rank with an error, or success
+int status_of_all(const std::optional<Failure>& failure) {
+  constexpr int kNoRank = std::numeric_limits<int>::max();
+  const int rank = rank_of_this_process();
+  int first = failure ? rank : kNoRank;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  if (first == kNoRank) return kSuccess;
+  int status = failure ? failure->status : kSuccess;
+  if (first == rank) print(*failure);
+  MPI_Bcast(&status, 1, MPI_INT, first, MPI_COMM_WORLD);
+  return status;
 }
 
 }  // namespace
@@ -140,18 +193,18 @@ int main(int argc, char** argv) {
   }
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &provided);
-  int status = kSuccess;
-  try {
-    if (provided < MPI_THREAD_MULTIPLE)
-      throw Error(ErrorCode::unsupported,
-                  "this MPI has no MPI_THREAD_MULTIPLE; use `isoatlas blocks run` on each machine");
-    status = run(arguments_from(words));
-  } catch (const Error& error) {
-    end_all(exit_status(error.code()), error_text(error));
-  } catch (const std::bad_alloc&) {
-    end_all(kOutOfMemory, "out of memory");
-  } catch (const std::exception& error) {
-    end_all(kInternal, error.what());
+  std::optional<Job> job;
+  std::optional<Failure> failure;
+  report_errors([&] { job.emplace(job_from(words, provided >= MPI_THREAD_MULTIPLE)); },
+                [&](const Failure& it) { failure = it; });
+  int status = status_of_all(failure);
+  if (status == kSuccess) {
+    report_errors([&] { status = run(*job); },
+                  [](const Failure& it) {
+                    print(it);
+                    MPI_Abort(MPI_COMM_WORLD, it.status);  // the others wait for this rank
+                    std::abort();
+                  });
   }
   MPI_Finalize();
   return status;

@@ -1270,6 +1270,37 @@ class NothingHalfWritten(ToolTest):
                          r"\Aisoatlas: error: standard output: [^\n]*No space left on device\n\Z")
         self.assertEqual([path.name for path in disk.iterdir()], ["old"])
 
+    def test_blocks_on_a_full_disk(self):
+        """What was made stays, and is used when there is space again."""
+        self.put_sphere()
+        disk = self.folder / "disk"
+        disk.mkdir()
+        if os.geteuid() != 0 or subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=48k", "tmpfs", disk],
+                capture_output=True).returncode != 0:
+            self.skipTest("no small file system can be mounted")
+        self.addCleanup(subprocess.run, ["umount", "-l", disk], check=True)
+        extract = ["extract", "sphere.nrrd", "--iso", "0", "--coarse", "--block-size", "7",
+                   "--parts", "disk/parts"]
+        message = (r"\Aisoatlas: error: [^\n]*parts/block-\d+\.(mesh|lock)[^\n]*"
+                   r"No space left on device\n\Z")
+        result = self.run_tool(*extract, "-o", "a.ply")
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, message)
+        self.assertTrue(result.stderr.startswith("isoatlas: error: disk/parts/block-"))
+        self.assertFalse((self.folder / "a.ply").exists())
+        made = {path: path.read_bytes() for path in (disk / "parts").iterdir()}
+        self.assertTrue(made)
+        self.assertTrue(all(re.fullmatch(r"block-\d+\.mesh", path.name) for path in made), made)
+        subprocess.run(["mount", "-o", "remount,size=8m", disk], check=True)
+        self.succeed(*extract, "-o", "a.ply", "-q")
+        for path, data in made.items():
+            self.assertEqual(path.read_bytes(), data)
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--coarse", "--block-size", "7", "-o",
+                     "b.ply", "-q")
+        self.assertEqual((self.folder / "a.ply").read_bytes(),
+                         (self.folder / "b.ply").read_bytes())
+
     def test_a_volume_that_is_cut_while_it_is_read(self):
         """The file is truncated after an open or a read: an error, or the whole mesh."""
         library = os.environ.get("ISOATLAS_CUT_LIBRARY")

@@ -68,8 +68,9 @@ def test_a_killed_rank_ends_the_run_and_the_next_one_continues(folder, wanted):
 def test_bad_input_is_one_line(folder):
     for words, message in [(["nowhere"], "nowhere: has no plan.json"),
                            (["parts", "--frobnicate"], "'--frobnicate' is not expected")]:
-        done = run(*mpirun(1, *words), cwd=folder)
-        assert done.returncode == 2
-        assert message in done.stderr
-        assert done.stderr.count("isoatlas-mpi: error: ") == 1
+        for ranks in (1, 3):
+            done = run(*mpirun(ranks, *words), cwd=folder)
+            assert done.returncode == 2
+            assert message in done.stderr
+            assert done.stderr.count("isoatlas-mpi: error: ") == 1
     assert not (folder / "mesh.ply").exists()
