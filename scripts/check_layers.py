@@ -48,7 +48,7 @@ PUBLIC = {
 PRIVATE_LIBRARIES = {
     r"tbb/": {"core"},
     r"itk": set(),
-    r"(dcmtk|charls|openjpeg|nifti|tiff|png|blosc|zstd)": {"volume_files"},
+    r"(dcmtk|charls|openjpeg|nifti|tiff|png|blosc|zstd|hdf5)": {"volume_files"},
     r"openssl/": {"files"},
     r"pugixml": {"volume_files", "mesh_files"},
     r"(tiny_gltf|zip\.h)": {"mesh_files"},

@@ -123,8 +123,9 @@ VolumeFile read_checked(const fs::path& path, const ReadOptions& options, bool w
   return io::translate_exceptions(path, [&] {
     require_valid(options, path);
     const bool reads_region = io::reads_boxes(path, options);
-    VolumeFile file =
-        reads_region ? io::read_zarr(path, options, with_samples) : read_path(path, options);
+    VolumeFile file = !reads_region     ? read_path(path, options)
+                      : is_folder(path) ? io::read_zarr(path, options, with_samples)
+                                        : io::read_hdf5(path, options, with_samples);
     require_used(options, file, path);
     if (!reads_region) keep_region(options, file, path);
     apply_spacing(options, file);
@@ -165,7 +166,7 @@ VolumeFile read_volume_file(const fs::path& path, const ReadOptions& options) {
 }
 
 bool io::reads_boxes(const fs::path& path, const ReadOptions& options) {
-  return !options.raw && is_folder(path) && is_zarr(path);
+  return !options.raw && (is_folder(path) ? is_zarr(path) : is_hdf5(path));
 }
 
 VolumeFile io::read_without_samples(const fs::path& path, const ReadOptions& options) {

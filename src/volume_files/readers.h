@@ -27,8 +27,13 @@ VolumeFile read_vtk_xml(const std::filesystem::path& path, const ReadOptions& op
 VolumeFile read_dicom(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_image_stack(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_raw(const std::filesystem::path& path, const ReadOptions& options);
-/// Reads no more than the region of the options; without samples, VolumeView::samples is null.
+// These read no more than the region of the options; without samples, VolumeView::samples is null.
 VolumeFile read_zarr(const std::filesystem::path& folder, const ReadOptions& options,
                      bool with_samples);
+VolumeFile read_hdf5(const std::filesystem::path& path, const ReadOptions& options,
+                     bool with_samples);
+
+/// Whether a file has the mark of HDF5, and is not one of VTK's (.vtkhdf).
+bool is_hdf5(const std::filesystem::path& path);
 
 }  // namespace isoatlas::detail::io

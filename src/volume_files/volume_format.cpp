@@ -76,7 +76,12 @@ bool is_mgh(std::string_view bytes) {
 bool is_mrc(std::string_view bytes) { return bytes.size() >= 1024 && has_at(bytes, 208, "MAP"); }
 
 bool is_npy(std::string_view bytes) { return has_at(bytes, 0, "\x93NUMPY"); }
+bool has_hdf5_mark(std::string_view bytes) { return has_at(bytes, 0, "\x89HDF\r\n\x1a\n"); }
 bool is_dicom(std::string_view bytes) { return has_at(bytes, 128, "DICM"); }
+
+VolumeFile read_whole_hdf5(const fs::path& path, const ReadOptions& options) {
+  return read_hdf5(path, options, true);
+}
 
 constexpr std::array kVolumeFormats{
     VolumeFormat{"DICOM", ".dcm .ima", is_dicom, read_dicom, false},
@@ -88,6 +93,7 @@ constexpr std::array kVolumeFormats{
     VolumeFormat{"MetaImage", ".mha .mhd", is_meta_image, read_meta_image},
     VolumeFormat{"TIFF", ".tif .tiff", is_tiff, read_tiff, false},
     VolumeFormat{"legacy VTK", ".vtk", is_legacy_vtk, read_legacy_vtk},
+    VolumeFormat{"HDF5", ".h5 .hdf5 .ims", has_hdf5_mark, read_whole_hdf5, false},
     VolumeFormat{"VTK XML", ".vti .vtr .pvti .pvtr", is_vtk_xml, read_vtk_xml},
 };
 
@@ -96,7 +102,6 @@ std::string other_kind(std::string_view bytes, const fs::path& path) {
   if (has_extension(path, ".ply .stl .obj .off .vtp .glb .vtm .3mf .gii")) return "is a mesh file";
   if (has_extension(path, ".json")) return "is a JSON file, perhaps a report";
   if (has_extension(path, ".vtkhdf")) return "is a VTKHDF file";
-  if (has_at(bytes, 0, "\x89HDF")) return "is an HDF5 file";
   if (has_at(bytes, 0, "CDF")) return "is a NetCDF file";
   if (has_extension(path, ".npz"))
     return "is an archive of NumPy arrays (numpy.save writes one array as .npy)";
@@ -129,8 +134,9 @@ std::string format_names() {
 const VolumeFormat& format_of(const fs::path& path) {
   constexpr std::size_t kStart = 4096;
   const std::string start = first_bytes(path, kStart);
+  const bool is_vtkhdf = has_extension(path, ".vtkhdf");  // other_kind() names it
   for (const VolumeFormat& format : kVolumeFormats) {
-    if (format.has_mark != nullptr && format.has_mark(start)) {
+    if (format.has_mark != nullptr && format.has_mark(start) && !is_vtkhdf) {
       if (!format.is_read_gzipped && packing_of(path) == Packing::deflate) {
         throw unsupported(path, "is a gzipped " + std::string(format.name) +
                                     " file, expected it decompressed (gunzip)");

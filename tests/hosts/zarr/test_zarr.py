@@ -1,15 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Zarr folders that zarr-python and ome-zarr-py wrote, read by the tool.
+"""Zarr folders that zarr-python and ome-zarr-py wrote, read by the tool."""
 
-This process does not load the module of the build, which is for another version of NumPy. The tool
-prints the digest of the samples that it read.
-"""
-
-import hashlib
 import json
-import os
 import shutil
-import subprocess
 
 import numcodecs
 import numpy as np
@@ -18,29 +11,7 @@ import zarr
 from ome_zarr.format import FormatV04, FormatV05
 from ome_zarr.writer import write_image, write_labels
 
-TOOL = os.environ["ISOATLAS_TOOL"]
-Z, Y, X = np.mgrid[:40, :48, :60]
-SAMPLES = (1000 * np.exp(-((Z - 20) ** 2 + (Y - 25) ** 2 + (X - 30) ** 2) / 200)).astype("u2")
-ISO = ["--iso", "300"]
-
-
-def run(*words, status=0):
-    done = subprocess.run([TOOL, *map(str, words)], capture_output=True, text=True)
-    assert done.returncode == status, done.stdout + done.stderr
-    return done.stdout if status == 0 else done.stderr
-
-
-def info(path, *options):
-    return json.loads(run("info", path, "--json", *options))["volume"]
-
-
-def digest(samples):
-    return hashlib.sha256(np.ascontiguousarray(samples).tobytes()).hexdigest()
-
-
-def expect_samples(path, samples, *options):
-    assert info(path, *options)["sha256"] == digest(samples)
-
+from tool import ISO, SAMPLES, digest, expect_samples, info, run
 
 COMPRESSORS = {
     "none": None, "lz4hc": numcodecs.Blosc("lz4hc"), "blosclz": numcodecs.Blosc("blosclz"),
