@@ -11,9 +11,9 @@ namespace isoatlas::detail::io {
 namespace {
 
 // Of Debian (serial) from old to new, then of others.
-constexpr const char* kNames[] = {"libhdf5_serial.so.103", "libhdf5_serial.so.310",
-                                  "libhdf5.so.103",        "libhdf5.so.200",
-                                  "libhdf5.so.310",        "libhdf5.so.320"};
+constexpr const char* kLibraryNames[] = {"libhdf5_serial.so.103", "libhdf5_serial.so.310",
+                                         "libhdf5.so.103",        "libhdf5.so.200",
+                                         "libhdf5.so.310",        "libhdf5.so.320"};
 
 template <class Function>
 bool find(void* library, const char* name, Function& function) {
@@ -53,7 +53,7 @@ bool load(void* handle, Hdf5Library& to) {
 const Hdf5Library* find_library() {
   static Hdf5Library library;
   static std::mutex mutex;
-  for (const char* const name : kNames) {
+  for (const char* const name : kLibraryNames) {
     void* const handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) continue;
     if (load(handle, library) && library.open() >= 0) {

@@ -21,7 +21,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-constexpr std::size_t kMostAxes = 8;
+constexpr std::size_t kMostZarrAxes = 8;
 
 // Types by the name in version 3 and the code in version 2, which begins with the byte order.
 struct ZarrType {
@@ -29,22 +29,22 @@ struct ZarrType {
   SampleType type;
   std::size_t bytes;
 };
-constexpr std::array<ZarrType, 12> kTypes{{{"bool", "b1", SampleType::uint8, 1},
-                                           {"int8", "i1", SampleType::int8, 1},
-                                           {"uint8", "u1", SampleType::uint8, 1},
-                                           {"int16", "i2", SampleType::int16, 2},
-                                           {"uint16", "u2", SampleType::uint16, 2},
-                                           {"int32", "i4", SampleType::int32, 4},
-                                           {"uint32", "u4", SampleType::uint32, 4},
-                                           {"int64", "i8", SampleType::int64, 8},
-                                           {"uint64", "u8", SampleType::uint64, 8},
-                                           {"float16", "f2", SampleType::float32, 2},
-                                           {"float32", "f4", SampleType::float32, 4},
-                                           {"float64", "f8", SampleType::float64, 8}}};
+constexpr std::array<ZarrType, 12> kZarrTypes{{{"bool", "b1", SampleType::uint8, 1},
+                                               {"int8", "i1", SampleType::int8, 1},
+                                               {"uint8", "u1", SampleType::uint8, 1},
+                                               {"int16", "i2", SampleType::int16, 2},
+                                               {"uint16", "u2", SampleType::uint16, 2},
+                                               {"int32", "i4", SampleType::int32, 4},
+                                               {"uint32", "u4", SampleType::uint32, 4},
+                                               {"int64", "i8", SampleType::int64, 8},
+                                               {"uint64", "u8", SampleType::uint64, 8},
+                                               {"float16", "f2", SampleType::float32, 2},
+                                               {"float32", "f4", SampleType::float32, 4},
+                                               {"float64", "f8", SampleType::float64, 8}}};
 
-class MetadataReader {
+class ZarrMetadataReader {
  public:
-  explicit MetadataReader(const fs::path& folder) {
+  explicit ZarrMetadataReader(const fs::path& folder) {
     array_.folder = folder;
     json_ = zarr_json(folder, "zarr.json");
     array_.version = json_.is_object() ? 3 : 2;
@@ -55,9 +55,9 @@ class MetadataReader {
 
   ZarrArray read() {
     array_.size = counts_at(json_, "shape", path_);
-    if (array_.size.empty() || array_.size.size() > kMostAxes)
+    if (array_.size.empty() || array_.size.size() > kMostZarrAxes)
       throw unsupported(path_, "has " + std::to_string(array_.size.size()) +
-                                   " axes, expected 3 to " + std::to_string(kMostAxes));
+                                   " axes, expected 3 to " + std::to_string(kMostZarrAxes));
     if (array_.version == 2) {
       read_version_2();
     } else {
@@ -85,10 +85,10 @@ class MetadataReader {
 
   void read_version_2() {
     const std::string dtype = text_at(json_, "dtype");
-    const auto* const type = std::ranges::find_if(kTypes, [&](const ZarrType& known) {
+    const auto* const type = std::ranges::find_if(kZarrTypes, [&](const ZarrType& known) {
       return dtype.size() == 3 && dtype.substr(1) == known.code;
     });
-    if (type == kTypes.end())
+    if (type == kZarrTypes.end())
       throw unsupported(path_, "has values of type " +
                                    one_line(json_.value("dtype", Json()).dump()) +
                                    ", expected integers or floating-point numbers");
@@ -119,8 +119,8 @@ class MetadataReader {
     if (text_at(json_, "node_type") != "array")
       throw bad_file(path_, "describes no array, expected node_type 'array'");
     const std::string name = text_at(json_, "data_type");
-    const auto* const type = std::ranges::find(kTypes, name, &ZarrType::name);
-    if (type == kTypes.end())
+    const auto* const type = std::ranges::find(kZarrTypes, name, &ZarrType::name);
+    if (type == kZarrTypes.end())
       throw unsupported(path_, "has values of type " +
                                    one_line(json_.value("data_type", Json()).dump()) +
                                    ", expected integers or floating-point numbers");
@@ -271,6 +271,6 @@ bool is_zarr_array(const fs::path& folder) {
          text_at(zarr_json(folder, "zarr.json"), "node_type") == "array";
 }
 
-ZarrArray read_zarr_metadata(const fs::path& folder) { return MetadataReader(folder).read(); }
+ZarrArray read_zarr_metadata(const fs::path& folder) { return ZarrMetadataReader(folder).read(); }
 
 }  // namespace isoatlas::detail::io

@@ -43,9 +43,9 @@ void for_each_index(const Index& first, const Index& last, Visit visit) {
   }
 }
 
-class SampleReader {
+class ZarrSampleReader {
  public:
-  SampleReader(const ZarrArray& array, const ZarrSelection& selection, std::byte* samples)
+  ZarrSampleReader(const ZarrArray& array, const ZarrSelection& selection, std::byte* samples)
       : array_(array),
         samples_(samples),
         sample_bytes_(array.fill_value.size()),
@@ -260,7 +260,7 @@ class SampleReader {
 
 ZarrChunkCount read_zarr_samples(const ZarrArray& array, const ZarrSelection& selection,
                                  std::byte* samples) {
-  return SampleReader(array, selection, samples).read();
+  return ZarrSampleReader(array, selection, samples).read();
 }
 
 }  // namespace isoatlas::detail::io
