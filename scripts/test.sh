@@ -13,8 +13,7 @@ cmake --preset release -DISOATLAS_BUILD_TESTS=ON -DISOATLAS_BUILD_PYTHON=ON \
 cmake --build --preset release
 if [ "${1:-}" = --all ]; then
   shift
-  # One more than there are cores: tests in a browser wait half of their time.
-  ctest --test-dir build/release --output-on-failure -j "$(($(nproc) + 1))" "$@"
+  ctest --test-dir build/release --output-on-failure -j "$(nproc)" "$@"
 else
   ctest --preset release -j "$(nproc)" "$@"
 fi

@@ -70,9 +70,9 @@ const std::string kVolumeFiles =
 MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm,
 or a folder), a folder of TIFF or PNG slices, VTK (.vtk, .vti, .vtr, .pvti,
 .pvtr), MGH (.mgh, .mgz), MRC (.mrc, .map, .rec), NumPy (.npy), Zarr and
-OME-Zarr (a folder, or one of its resolutions, as brain.ome.zarr/2), HDF5
-(.h5, .hdf5, .ims), and headerless files (--raw-size, --raw-type). NIfTI, MGH
-and MRC files may be compressed by gzip, NIfTI also by bzip2. Analyze files
+OME-Zarr (a folder, or one of its resolutions, as a.zarr/2), HDF5 (.h5,
+.hdf5, .ims), and headerless files (--raw-size, --raw-type). NIfTI, MGH and
+MRC files may be compressed by gzip, NIfTI also by bzip2. Analyze files
 (.hdr, .img) are read as well. The content of a file determines its format,
 not its name.
 )";

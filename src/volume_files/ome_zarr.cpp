@@ -118,12 +118,13 @@ OmeImageLevel level_of_array(const fs::path& array) {
   return {array};
 }
 
-// The names of the groups and arrays in a group, sorted.
+// The names of the groups and arrays in a group, sorted. bioformats2raw puts a group OME, with
+// metadata only, beside the images.
 std::vector<std::string> members(const fs::path& group) {
   std::vector<std::string> out;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(group, error)) {
-    if (entry.is_directory(error) && is_zarr(entry.path()))
+    if (entry.is_directory(error) && is_zarr(entry.path()) && entry.path().filename() != "OME")
       out.push_back(entry.path().filename().string());
   }
   std::ranges::sort(out);

@@ -152,7 +152,7 @@ const VolumeFormat& format_of(const fs::path& path) {
   const std::string kind = other_kind(start, path);
   throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) +
                               ", expected a volume: " + format_names() +
-                              ", or a folder of DICOM, TIFF or PNG slices");
+                              ", or a folder of Zarr or of DICOM, TIFF or PNG slices");
 }
 
 std::string volume_extensions() {

@@ -57,7 +57,7 @@ TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
 // A selection of the 2^27 patterns, without and with a layer of equal samples around them.
 TEST(Adversarial, SignPatternsOfThreeByThreeByThree) {
   Random random(13);
-  const int count = is_night() ? 4'000 : many() ? 2'000 : 500;
+  const int count = is_night() ? 4'000 : many() ? 1'000 : 500;
   for (int k = 0; k < count; ++k) {
     const auto pattern = static_cast<std::uint32_t>(random.bits() & ((1u << 27) - 1) &
                                                     (k % 3 == 0 ? random.bits() : ~0ull));

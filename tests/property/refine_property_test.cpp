@@ -20,7 +20,7 @@ namespace {
 
 using namespace test;
 
-[[maybe_unused]] const bool kCases = run_cases(20);
+[[maybe_unused]] const bool kCases = run_cases(12);
 
 bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return a.size() == b.size() &&

@@ -240,9 +240,9 @@ TEST(BadVolumes, AnyFormat) {
     expect_all_errors({{name, noise(), kBad, ""}});
     expect_all_errors({{name, "\n\n\n", kBad, ""}});
   }
-  expect_all_errors(
-      {{"a.xyz", "data", kUnsupported, "expected a volume: DICOM, NRRD, NIfTI"},
-       {"noextension", "data", kUnsupported, "or a folder of DICOM, TIFF or PNG slices"}});
+  expect_all_errors({{"a.xyz", "data", kUnsupported, "expected a volume: DICOM, NRRD, NIfTI"},
+                     {"noextension", "data", kUnsupported,
+                      "or a folder of Zarr or of DICOM, TIFF or PNG slices"}});
 }
 
 TEST(BadVolumes, WithoutPermission) {

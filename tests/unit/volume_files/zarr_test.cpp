@@ -148,6 +148,7 @@ TEST_F(ZarrFolder, GroupsWithoutAnImage) {
   expect_error(ErrorCode::unsupported, "without arrays", folder_ / "group", [&] { read("group"); });
   put("group/one/.zarray", version_2());
   put("group/one/0.0.0", kSamples);
+  put("group/OME/.zgroup", R"({"zarr_format": 2})");  // as bioformats2raw writes it
   EXPECT_EQ(samples(read("group")), kSamples);
   put("group/two/.zarray", version_2());
   expect_error(ErrorCode::unsupported, "several members, expected one of them: ", folder_ / "group",
