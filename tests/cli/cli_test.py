@@ -1237,16 +1237,20 @@ class NothingHalfWritten(ToolTest):
         self.assertEqual(self.run_tool(*arguments, "a.obj").returncode, 0)
         self.assertEqual((self.folder / "a.obj").read_bytes(), whole)
 
-    def test_full_disk(self):
-        """Each format on a disk that is too small for it."""
-        arguments = self.put_gyroid(24)
+    def mount_small_disk(self, size):
         disk = self.folder / "disk"
         disk.mkdir()
         if os.geteuid() != 0 or subprocess.run(
-            ["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", disk],
+            ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", disk],
                 capture_output=True).returncode != 0:
             self.skipTest("no small file system can be mounted")
         self.addCleanup(subprocess.run, ["umount", "-l", disk], check=True)
+        return disk
+
+    def test_full_disk(self):
+        """Each format on a disk that is too small for it."""
+        arguments = self.put_gyroid(24)
+        disk = self.mount_small_disk("16k")
         (disk / "old").write_bytes(b"old")
         for name in [
                 *(f"a.{extension}" for extension in MESH_EXTENSIONS), "a.glb", "a.vtm",
@@ -1273,13 +1277,7 @@ class NothingHalfWritten(ToolTest):
     def test_blocks_on_a_full_disk(self):
         """What was made stays, and is used when there is space again."""
         self.put_sphere()
-        disk = self.folder / "disk"
-        disk.mkdir()
-        if os.geteuid() != 0 or subprocess.run(
-            ["mount", "-t", "tmpfs", "-o", "size=48k", "tmpfs", disk],
-                capture_output=True).returncode != 0:
-            self.skipTest("no small file system can be mounted")
-        self.addCleanup(subprocess.run, ["umount", "-l", disk], check=True)
+        disk = self.mount_small_disk("48k")
         extract = ["extract", "sphere.nrrd", "--iso", "0", "--coarse", "--block-size", "7",
                    "--parts", "disk/parts"]
         message = (r"\Aisoatlas: error: [^\n]*parts/block-\d+\.(mesh|lock)[^\n]*"
