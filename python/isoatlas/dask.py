@@ -176,10 +176,10 @@ def _computed(
                 finish(key)
 
         with Callback(posttask=finished):
-            return list(dask.compute(*tasks, scheduler="threads", optimize_graph=False))
+            return list(dask.compute(*tasks, scheduler="threads"))
     from distributed import as_completed
 
-    futures = client.compute(tasks, optimize_graph=False)
+    futures = client.compute(tasks)
     numbers = {future.key: block for block, future in enumerate(futures)}
     try:
         for future in as_completed(futures):
