@@ -46,7 +46,8 @@ std::vector<std::string> dataset_paths(const Json& multiscales, const fs::path& 
 }
 
 // Applies the transformations of a list to the axes: each scales or moves.
-void apply(const Json& transformations, std::vector<OmeAxis>& axes, const fs::path& group) {
+void apply(const Json& transformations, OmeImageLevel& level, const fs::path& group) {
+  std::vector<OmeAxis>& axes = level.axes;
   for (const Json& entry : transformations.is_array() ? transformations : Json::array()) {
     const std::string type = text_at(entry, "type");
     if (type == "identity") continue;
@@ -55,6 +56,7 @@ void apply(const Json& transformations, std::vector<OmeAxis>& axes, const fs::pa
     if ((!is_scale && type != "translation") || !numbers || numbers->size() != axes.size())
       throw unsupported(group, "has the coordinate transformation '" + one_line(type, 40) +
                                    "', expected scales and translations with a number per axis");
+    level.has_scale = level.has_scale || is_scale;
     for (std::size_t a = 0; a < axes.size(); ++a) {
       const double by = (*numbers)[a];
       if (is_scale) axes[a].scale *= by;
@@ -88,8 +90,8 @@ OmeImageLevel level_of(const fs::path& group, const Json& ome, std::size_t level
   out.level_count = paths.size();
   out.axes = axes_of(multiscales);
   const Json& dataset = multiscales["datasets"][level];
-  apply(dataset.value("coordinateTransformations", Json()), out.axes, group);
-  apply(multiscales.value("coordinateTransformations", Json()), out.axes, group);
+  apply(dataset.value("coordinateTransformations", Json()), out, group);
+  apply(multiscales.value("coordinateTransformations", Json()), out, group);
   const Json omero = ome.value("omero", Json());
   for (const Json& channel :
        omero.is_object() ? omero.value("channels", Json::array()) : Json::array())

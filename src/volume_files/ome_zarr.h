@@ -24,7 +24,8 @@ struct OmeImageLevel {
   std::filesystem::path array;
   std::string version = {};  ///< of OME-NGFF; empty for an array of no image
   std::size_t level = 0, level_count = 1;
-  std::vector<OmeAxis> axes = {};  ///< empty if the metadata states none
+  std::vector<OmeAxis> axes = {};  ///< empty for an array of no image
+  bool has_scale = false;          ///< whether the metadata states the distances between samples
   std::vector<std::string> channel_names = {};
 };
 

@@ -52,6 +52,7 @@ class ZarrReader {
       throw bad_file(path_, "has " + std::to_string(count) + " axes, but its image " +
                                 std::to_string(image_.axes.size()));
     if (image_.axes.empty()) name_axes_of_array();
+    file_.source.has_spacing = image_.has_scale;
     selection_.first.assign(count, 0);
     std::array<std::size_t*, 3> found{&selection_.x_axis, &selection_.y_axis, &selection_.z_axis};
     std::string text;
@@ -72,7 +73,6 @@ class ZarrReader {
   void name_axes_of_array() {
     const std::size_t count = array_.size.size();
     image_.axes.resize(count);
-    file_.source.has_spacing = false;
     const std::vector<std::string>& names = array_.axis_names;
     const bool is_named = std::ranges::all_of(std::array{"x", "y", "z"}, [&](const char* name) {
       return std::ranges::find(names, name) != names.end();

@@ -61,14 +61,16 @@ struct ZarrSelection {
   Size3 size{};                           ///< along x, y and z
 };
 
+/// Numbers of chunks.
+struct ZarrChunkCount {
+  std::uint64_t stored = 0, all = 0;
+};
+
 /// Reads the samples of a part, x fastest, in this machine's byte order. Chunks that are not stored
 /// have the fill value, as the specification states.
 /// @param samples  memory for them, of the type of the array
 /// @return how many of the chunks are stored, and how many there are
 /// @throws Error(bad_file) if a chunk is damaged; the message has its index
-struct ZarrChunkCount {
-  std::uint64_t stored = 0, all = 0;
-};
 ZarrChunkCount read_zarr_samples(const ZarrArray& array, const ZarrSelection& selection,
                                  std::byte* samples);
 

@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
+#include <charconv>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -11,6 +12,7 @@
 #include "core/vector_math.h"
 #include "field/sample_type.h"
 #include "files/file_error.h"
+#include "volume_files/stored_volumes.h"
 #include "volume_files/zarr_array.h"
 #include "volume_files/zarr_json.h"
 
@@ -225,7 +227,25 @@ class ZarrMetadataReader {
     return fits ? static_cast<Sample>(value) : Sample{};
   }
 
-  // A number, a name of one that JSON has not, or null, which leaves the value undefined.
+  // "NaN", "Infinity", "-Infinity", or the bits of a number as "0x7fc00000".
+  double special_number(const std::string& text) const {
+    const bool is_integer =
+        array_.type != SampleType::float32 && array_.type != SampleType::float64;
+    if (text == "Infinity" && !is_integer) return INFINITY;
+    if (text == "-Infinity" && !is_integer) return -INFINITY;
+    if (text == "NaN" && !is_integer) return NAN;
+    std::uint64_t bits = 0;
+    const char* const end = text.data() + text.size();
+    if (is_integer || text.size() != 2 + 2 * array_.value_bytes || !text.starts_with("0x") ||
+        std::from_chars(text.data() + 2, end, bits, 16).ptr != end)
+      throw unsupported(path_,
+                        "has the fill value '" + one_line(text, 40) + "', expected a number");
+    if (array_.is_half) return float_of_half(static_cast<std::uint16_t>(bits));
+    return array_.value_bytes == 4 ? std::bit_cast<float>(static_cast<std::uint32_t>(bits))
+                                   : std::bit_cast<double>(bits);
+  }
+
+  // A number, one that JSON does not have, as text, or null, which leaves the value undefined.
   void read_fill_value() {
     const Json value = json_.value("fill_value", Json());
     visit_sample_type(array_.type, [&](auto* null) {
@@ -237,12 +257,8 @@ class ZarrMetadataReader {
         sample = value.get<Sample>();
       } else if (value.is_boolean()) {
         sample = static_cast<Sample>(value.get<bool>());
-      } else if (const std::string text = value.is_string() ? value.get<std::string>() : "";
-                 std::numeric_limits<Sample>::has_infinity) {
-        using Limits = std::numeric_limits<Sample>;
-        if (text == "Infinity") sample = Limits::infinity();
-        if (text == "-Infinity") sample = static_cast<Sample>(-Limits::infinity());
-        if (text == "NaN" || text.starts_with("0x")) sample = Limits::quiet_NaN();
+      } else if (value.is_string()) {
+        sample = static_cast<Sample>(special_number(value.get<std::string>()));
       }
       array_.fill_value.assign(reinterpret_cast<const char*>(&sample), sizeof sample);
     });

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -56,6 +57,12 @@ class ZarrFolder : public testing::Test {
     return {static_cast<const char*>(static_cast<const void*>(view.samples)),
             view.grid.sample_count() * bytes_per_sample(view.type)};
   }
+  static double sample_at(const VolumeView& view, std::size_t index) {
+    if (view.type == SampleType::uint8)
+      return static_cast<const std::uint8_t*>(view.samples)[index];
+    return view.type == SampleType::float32 ? static_cast<const float*>(view.samples)[index]
+                                            : static_cast<const double*>(view.samples)[index];
+  }
   void refuse(const std::string& metadata, ErrorCode code, const std::string& message,
               const std::string& chunk = kSamples) {
     SCOPED_TRACE(message);
@@ -107,6 +114,36 @@ TEST_F(ZarrFolder, ChunksThatAreNotStoredHaveTheFillValue) {
   EXPECT_EQ(samples(read("a")), expected);
   fs::remove(folder_ / "a/0.0.1");
   expect_error(ErrorCode::bad_file, "has none of its chunks", folder_ / "a", [&] { read("a"); });
+}
+
+TEST_F(ZarrFolder, FillValuesThatAreText) {
+  const auto fill = [&](const std::string& type, std::size_t bytes, const std::string& value) {
+    put("a/.zarray", R"({"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 1], "dtype": ")" +
+                         type + R"(", "order": "C", "filters": null, "compressor": null,
+                         "fill_value": )" +
+                         value + "}");
+    put("a/0.0.0", std::string(4 * bytes, '\0'));
+    return sample_at(read("a").volume, 1);
+  };
+  EXPECT_EQ(fill("<f4", 4, R"("Infinity")"), INFINITY);
+  EXPECT_EQ(fill("<f8", 8, R"("-Infinity")"), -INFINITY);
+  EXPECT_TRUE(std::isnan(fill("<f4", 4, R"("NaN")")));
+  EXPECT_EQ(fill("<f4", 4, R"("0x3fc00000")"), 1.5);
+  EXPECT_EQ(fill("<f8", 8, R"("0x3ff8000000000000")"), 1.5);
+  EXPECT_EQ(fill("<f2", 2, R"("0x3e00")"), 1.5);
+  EXPECT_EQ(fill("|u1", 1, "300.0"), 0);  // no sample: undefined
+  for (const char* value : {R"("0x3fc0")", R"("few")", R"("0x3fc0000g")"})
+    expect_error(ErrorCode::unsupported, "has the fill value", folder_ / "a",
+                 [&] { fill("<f4", 4, value); });
+}
+
+TEST_F(ZarrFolder, WithoutAScaleThereIsAWarning) {
+  put("image/.zattrs", R"({"multiscales": [{)" + kOmeAxes + R"(, "datasets": [{"path": "0"}]}]})");
+  put("image/0/.zarray", version_2());
+  put("image/0/0.0.0", kSamples);
+  const VolumeFile file = read("image");
+  EXPECT_FALSE(file.source.has_spacing);
+  EXPECT_EQ(file.source.warnings.size(), 1u);
 }
 
 TEST_F(ZarrFolder, LengthsOfOmeZarr) {
