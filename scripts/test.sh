@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh test
 . scripts/use_ccache.sh
 cmake --preset release -DISOATLAS_BUILD_TESTS=ON -DISOATLAS_BUILD_PYTHON=ON \
-  -DISOATLAS_BUILD_MPI=ON -DISOATLAS_UNITY_BUILD=ON
+  -DISOATLAS_BUILD_MPI=ON -DISOATLAS_BUILD_VTK_FILTER=ON -DISOATLAS_UNITY_BUILD=ON
 cmake --build --preset release
 if [ "${1:-}" = --all ]; then
   shift
