@@ -2,7 +2,6 @@
 #include "error/surface_proof.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -10,6 +9,7 @@
 #include "core/ranges.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
+#include "error/clipped_box.h"
 #include "error/two_ring.h"
 #include "geometry/closest_point.h"
 
@@ -17,100 +17,6 @@ namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kProvedCellsPerChunk = 16;
-constexpr double kMinBoxSize = 1.0 / 16;  // of a box, in grid cells
-constexpr double kRounding = 1e-9;        // of the field's values in a box, with a margin
-
-// A cube inside a grid cell, in coordinates from 0 to 1 of this grid cell.
-struct Box {
-  Vec3 low;
-  double size;
-  Vec3 corner(std::size_t k) const {
-    return low + size * Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1),
-                             static_cast<double>(k >> 2)};
-  }
-};
-
-// The part of a box between the two planes, given by its corners: at most those of the box and two
-// on each of its edges.
-class ClippedBox {
- public:
-  // @return false if there is no isosurface in the box
-  bool cut(const TrilinearCell& field, const Box& box) {
-    count_ = 0;
-    std::array<double, 8> value;
-    bool inside = false, outside = false;
-    double mean = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      value[k] = field.value(box.corner(k));
-      (value[k] >= 0 ? inside : outside) = true;
-      mean += value[k] / 8;
-    }
-    if (!std::isfinite(mean)) {
-      add_all_corners(box);
-      return true;
-    }
-    if (!inside || !outside) return false;
-    // A linear function that interpolates the field, and the range of its differences from the
-    // field.
-    Vec3 slope;
-    for (std::size_t k = 0; k < 8; ++k)
-      slope = slope +
-              (0.25 * value[k]) * Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
-    std::array<double, 8> linear;
-    double lowest = INFINITY, highest = -INFINITY, largest = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      linear[k] =
-          mean + 0.5 * dot(slope, Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0});
-      lowest = std::min(lowest, linear[k] - value[k]);
-      highest = std::max(highest, linear[k] - value[k]);
-      largest = std::max(largest, std::abs(value[k]));
-    }
-    lowest -= kRounding * largest;
-    highest += kRounding * largest;
-    for (std::size_t k = 0; k < 8; ++k) {
-      if (linear[k] >= lowest && linear[k] <= highest) add(box.corner(k));
-    }
-    for (std::size_t axis = 1; axis < 8; axis *= 2) {
-      for (std::size_t k = 0; k < 8; ++k) {
-        if (k & axis) continue;
-        const double from = linear[k], to = linear[k | axis];
-        for (const double plane : {lowest, highest}) {
-          if ((from < plane) == (to < plane)) continue;
-          const double t = (plane - from) / (to - from);
-          const Vec3 a = box.corner(k), b = box.corner(k | axis);
-          add(a + t * (b - a));
-        }
-      }
-    }
-    if (count_ == 0) add_all_corners(box);  // because of rounding
-    return true;
-  }
-
-  // Converts to metric coordinates.
-  void convert_to_metric(Vec3 low, Vec3 spacing) {
-    for (std::size_t i = 0; i < count_; ++i) corner_[i] = to_metric(low + corner_[i], spacing);
-  }
-  Vec3 centre() const {
-    Vec3 sum;
-    for (const Vec3& p : corners()) sum = sum + p;
-    return (1.0 / static_cast<double>(count_)) * sum;
-  }
-  double radius(Vec3 centre) const {
-    double squared = 0;
-    for (const Vec3& p : corners()) squared = std::max(squared, squared_length(p - centre));
-    return std::sqrt(squared);
-  }
-  std::span<const Vec3> corners() const { return {corner_.data(), count_}; }
-
- private:
-  void add(Vec3 p) { corner_[count_++] = p; }
-  void add_all_corners(const Box& box) {
-    for (std::size_t k = 0; k < 8; ++k) add(box.corner(k));
-  }
-
-  std::array<Vec3, 32> corner_;
-  std::size_t count_ = 0;
-};
 
 class GridCellSearch {
  public:
@@ -149,7 +55,7 @@ class GridCellSearch {
     }
     boxes_.assign(1, {{}, 1});
     while (!boxes_.empty()) {
-      const Box box = boxes_.back();
+      const GridCellBox box = boxes_.back();
       boxes_.pop_back();
       if (!clipped_.cut(*field, box)) continue;
       clipped_.convert_to_metric(low, surface_.spacing);
@@ -164,8 +70,7 @@ class GridCellSearch {
       const CVertexId nearest = nearest_c_vertex(key, centre);
       const bool is_own = cell_of_[nearest] == cell_;
       if (box.size > kMinBoxSize && (near <= bound_ || !is_own)) {
-        for (std::size_t k = 0; k < 8; ++k)
-          boxes_.push_back({Box{box.low, 0.5 * box.size}.corner(k), 0.5 * box.size});
+        for (std::size_t k = 0; k < 8; ++k) boxes_.push_back(box.part(k));
         continue;
       }
       if (!is_own) continue;
@@ -218,7 +123,7 @@ class GridCellSearch {
   CellId cell_ = 0;
   Farthest farthest_;
   std::vector<GridCellIndex::Key> keys_;
-  std::vector<Box> boxes_;
+  std::vector<GridCellBox> boxes_;
   ClippedBox clipped_;
 };
 
@@ -269,6 +174,12 @@ void GridCellIndex::visit_cells(Vec3 p, Visit visit) const {
 std::span<const CVertexId> GridCellIndex::c_vertices(Key cell) const {
   const auto [from, to] = std::equal_range(keys_.begin(), keys_.end(), cell);
   return {items_.data() + (from - keys_.begin()), static_cast<std::size_t>(to - from)};
+}
+
+std::vector<GridCellIndex::Key> GridCellIndex::cells() const {
+  std::vector<Key> out(keys_);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
 }
 
 Vec3 GridCellIndex::low(Key cell) const {

@@ -26,6 +26,7 @@ class GridCellIndex {
     visit_cells(complex_.positions[v], visit);
   }
   std::span<const CVertexId> c_vertices(Key cell) const;
+  std::vector<Key> cells() const;  ///< those with a c-vertex, sorted
   /// The corner of a grid cell with the smallest index.
   Vec3 low(Key cell) const;
 

@@ -235,6 +235,13 @@ TriangleError measure_triangle(const MeasuredSurface& surface, const LevelMesh& 
 
 }  // namespace
 
+TriangleDistance triangle_distance(const Isosurface& isosurface, const std::array<Vec3, 3>& corners,
+                                   double exact_above, Evidence evidence) {
+  PatchSearch search(isosurface, exact_above, evidence);
+  search.search(corners);
+  return {search.distance(), search.upper_bound()};
+}
+
 // A hash of the corners and their cells: two different triangles have the same one with probability
 // 2^-64.
 std::uint64_t TriangleErrorCache::fingerprint(const LevelMesh& mesh, std::uint32_t triangle) {

@@ -22,6 +22,15 @@ struct TriangleError {
   double upper_bound = 0;  ///< no tested point is farther than this
 };
 
+struct TriangleDistance {
+  double farthest = 0;     ///< the largest distance found
+  double upper_bound = 0;  ///< no tested point is farther than this
+};
+
+/// The distance of one triangle from the isosurface, as measure_from_mesh() finds it.
+TriangleDistance triangle_distance(const Isosurface& isosurface, const std::array<Vec3, 3>& corners,
+                                   double exact_above, Evidence evidence);
+
 /// Cache of triangle errors; an entry is valid as long as its triangle does not move. One cache per
 /// surface and kind of evidence.
 class TriangleErrorCache {

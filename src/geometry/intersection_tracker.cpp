@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::size_t kPerChunk = 2048;  // vertices or triangles, of a parallel loop
 
+bool was_removed(const Triangle& t) { return t[0] == t[1] && t[1] == t[2]; }
+
 }  // namespace
 
 // @return the ids of the triangles that changed, sorted
@@ -50,6 +52,7 @@ void IntersectionTracker::move(std::uint32_t vertex, Vec3 to) {
 }
 
 bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
+  if (was_removed(t)) return true;
   if (!has_area(output_, t)) return false;
   for (std::size_t form = 1; form < forms_.form_count(); ++form) {
     const std::array corners{forms_.in_form(form, positions_[t[0]]),
@@ -62,6 +65,7 @@ bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
 
 bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32_t second) const {
   const Triangle &a = triangles_[first], &b = triangles_[second];
+  if (was_removed(a) || was_removed(b)) return false;
   if (are_certainly_disjoint(output_, a, b, forms_.max_rounding())) return false;
   if (intersect_beyond_shared_simplex(output_, a, b)) return true;
   Triangle local = {3, 4, 5};  // b, with the indices of a's corners where they are shared

@@ -12,7 +12,7 @@ namespace isoatlas::detail {
 
 /// The self-intersections of a mesh that changes, and its triangles without area, in the
 /// coordinates that are written to files. Call update() for each new version of the mesh: only
-/// triangles that changed are tested again.
+/// triangles that changed are tested again. A triangle whose corners are one vertex was removed.
 class IntersectionTracker {
  public:
   explicit IntersectionTracker(OutputPositions forms = {})
@@ -41,7 +41,9 @@ class IntersectionTracker {
   /// For each intersecting pair the largest corner, or all six if the largest has size 0; sorted.
   std::vector<std::uint32_t> largest_corners(std::span<const float> size_of_vertex) const;
 
-  std::size_t pair_count() const { return pairs_.size(); }  ///< of the last mesh
+  /// The intersecting pairs of the last mesh; a triangle without area is a pair with itself.
+  std::span<const TrianglePair> pairs() const { return pairs_; }
+  std::size_t pair_count() const { return pairs_.size(); }
 
  private:
   std::vector<std::uint32_t> update_mesh(std::span<const Vec3> positions,
