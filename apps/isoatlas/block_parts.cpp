@@ -101,7 +101,8 @@ std::vector<std::size_t> BlockParts::missing() const {
   return out;
 }
 
-Extraction BlockParts::merge(const ExtractOptions& options, const RunControl& control) const {
+Extraction BlockParts::merge(const SamplesOfBlock& samples_of, const ExtractOptions& options,
+                             const RunControl& control) const {
   std::vector<BlockMesh> meshes;
   for (std::size_t b = 0; b < plan_.block_count(); ++b) {
     control.report("merge", static_cast<double>(b) / static_cast<double>(plan_.block_count()));
@@ -113,7 +114,7 @@ Extraction BlockParts::merge(const ExtractOptions& options, const RunControl& co
   }
   RunControl quiet = control;
   quiet.progress = nullptr;
-  return merge_blocks(plan_, std::move(meshes), options, quiet);
+  return merge_blocks(plan_, std::move(meshes), options, quiet, samples_of);
 }
 
 }  // namespace isoatlas::detail::tool

@@ -39,7 +39,8 @@ class BlockParts {
   std::vector<std::size_t> missing() const;
 
   /// Merges all blocks. @throws Error as read_block() and merge_blocks()
-  Extraction merge(const ExtractOptions& options, const RunControl& control) const;
+  Extraction merge(const SamplesOfBlock& samples_of, const ExtractOptions& options,
+                   const RunControl& control) const;
 
  private:
   std::filesystem::path folder_;

@@ -54,11 +54,11 @@ void warn_of_memory(std::ostream& out, std::uint64_t bytes, std::uint32_t factor
 Extraction extract_blocks(const ExtractArguments& arguments, const VolumeReader& volume,
                           const ExtractOptions& options, const RunControl& control) {
   const BlockPlan plan(volume.grid(), block_size_of(arguments, volume));
-  if (!arguments.parts) {
-    return extract_in_blocks(
-        plan, [&](const BlockBox& box) { return volume.box(box.first, box.last); }, options,
-        control, [&](std::size_t) { volume.drop(); });
-  }
+  const auto samples_of = [&](const BlockBox& box) {
+    volume.drop();  // the samples of the last box
+    return volume.box(box.first, box.last);
+  };
+  if (!arguments.parts) return extract_in_blocks(plan, samples_of, options, control);
   const BlockParts parts(*arguments.parts, plan);
   if (!arguments.only_merges) {
     const std::vector<std::size_t> elsewhere = parts.make(volume, options, {}, control);
@@ -71,7 +71,7 @@ Extraction extract_blocks(const ExtractArguments& arguments, const VolumeReader&
                                              " of " + std::to_string(plan.block_count()) +
                                              " missing; make them with `isoatlas blocks run " +
                                              arguments.parts->string() + "`");
-  return parts.merge(options, control);
+  return parts.merge(samples_of, options, control);
 }
 
 /// The volume of the arguments. For blocks it gets a reader, and has samples only if the page needs

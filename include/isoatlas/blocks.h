@@ -18,7 +18,7 @@
 
 namespace isoatlas {
 
-/// The samples of a block, both included.
+/// A box of samples, for example those of a block; both ends are included.
 struct BlockBox {
   Size3 first, last;
   friend bool operator==(const BlockBox&, const BlockBox&) = default;
@@ -75,17 +75,26 @@ ISOATLAS_API BlockMesh mesh_block(const VolumeView& samples, const BlockPlan& pl
                                   std::size_t block, const ExtractOptions& options,
                                   const RunControl& control = {});
 
+/// Reads the samples of a block, for example VolumeReader::box().
+using SamplesOfBlock = std::function<Volume(const BlockBox&)>;
+
 /// Merges the meshes of all blocks into the mesh of the whole volume, and checks the result: every
 /// vertex on a shared face is in all blocks that contain it, every edge there has a triangle on
 /// both sides, the merged triangles of each level are a manifold with the Euler characteristic that
 /// follows from the blocks' isosurfaces. Self-intersections are counted
 /// (LevelReport::self_intersections); the nesting of components is not compared.
 ///
+/// With `samples_of`, vertices on shared faces and next to them are removed where the goal of a
+/// level permits it: by half-edge collapses that preserve the topology, cause no self-intersections
+/// and keep the bound on the distance. Levels with bounds on other metrics than max-distance,
+/// max-edge, min-edge and min-aspect keep these vertices.
+///
 /// Vertices are ordered by the first level that contains them, then by block; those on shared faces
 /// belong to the first of their blocks. The result does not depend on the order of `meshes`.
 ///
 /// @param meshes   of each block of the plan, once
 /// @param options  those of mesh_block()
+/// @param samples_of  reads boxes of at most about the size of a block; none: no vertex is removed
 /// @return positions in `options.space`; ExtractReport::blocks is present
 /// @throws Error(bad_argument) if a block is missing or is there twice, or if two do not fit,
 ///         because they were made from different samples, options or versions; Error(empty_surface)
@@ -93,16 +102,14 @@ ISOATLAS_API BlockMesh mesh_block(const VolumeView& samples, const BlockPlan& pl
 ///         more
 /// @cost   O((V + T) log (V + T))
 ISOATLAS_API Extraction merge_blocks(const BlockPlan& plan, std::vector<BlockMesh> meshes,
-                                     const ExtractOptions& options, const RunControl& control = {});
+                                     const ExtractOptions& options, const RunControl& control = {},
+                                     const SamplesOfBlock& samples_of = {});
 
 /// The largest blocks, as cubes, that take about this much memory each. This is an estimate for a
 /// surface that crosses a twentieth of the grid cells; merge_blocks() needs more for large meshes.
 /// @param bytes  memory for one block
 /// @return the size of the whole volume in grid cells if it fits
 ISOATLAS_API Size3 block_size_for(const Grid& grid, SampleType type, std::uint64_t bytes);
-
-/// Reads the samples of a block, for example VolumeReader::box().
-using SamplesOfBlock = std::function<Volume(const BlockBox&)>;
 
 /// Meshes all blocks of a volume, one after the other, and merges them. The samples of one block
 /// are in memory at a time.

@@ -126,6 +126,8 @@ struct BlockSummary {
   std::size_t with_surface = 0;  ///< blocks that contain a part of the surface
   /// Vertices on shared faces, and edges there: each edge has a triangle in two blocks.
   std::size_t seam_vertices = 0, seam_edges = 0;
+  /// Vertices near shared faces that were in the meshes of blocks and are in no merged level.
+  std::size_t removed_vertices = 0;
 };
 
 /// The report about a run of extract() or of merge_blocks(), which adds up those of the blocks.

@@ -87,7 +87,10 @@ class BlockedArray:
     ) -> tuple[tuple[int, int], tuple[int, int], tuple[int, int]]: ...
     def mesh(self, block: int, samples: npt.NDArray[Any]) -> bytes: ...
     def merge(
-        self, meshes: Sequence[bytes], progress: Callable[[str, float], Any] | None
+        self,
+        meshes: Sequence[bytes],
+        samples: Callable[..., npt.NDArray[Any]],
+        progress: Callable[[str, float], Any] | None,
     ) -> Levels: ...
 
 def extract(

@@ -118,20 +118,38 @@ def extract(
         part = lazy[box] if lazy is not None else dask.delayed(_part, pure=False)(array, box)
         tasks.append(task(geometry, iso, options, block, part))
     unfinished = dict(enumerate(boxes))
+    client = client or _current_client()
+
+    def samples_of(*ends: tuple[int, int]) -> npt.NDArray[Any]:
+        """Those around a shared face, which the merge needs."""
+        box = tuple(slice(first, end) for first, end in ends)
+        unfinished[0] = box
+        part = array[box] if lazy is None else lazy[box].compute(scheduler=client or "threads")
+        return np.ascontiguousarray(as_samples(np.asarray(part)))
+
     with progress_callback(progress) as callback:
         try:
             meshes = _computed(tasks, client, callback, unfinished)
+            levels = plan.merge(meshes, samples_of, None)
         except Error:
             raise
         except Exception as error:
             _name_unreadable_chunk(array, list(unfinished.values()), error)
             raise
-        levels = plan.merge(meshes, None)
     return Mesh(levels, states_order(None, order, spacing, origin, direction))
 
 
 def _plan(geometry: dict[str, Any], iso: Number, options: dict[str, Any]) -> _core.BlockedArray:
     return _core.BlockedArray(**geometry, words=request_of(iso, **options))
+
+
+def _current_client() -> Any:
+    try:
+        from distributed import get_client
+
+        return get_client()
+    except (ImportError, ValueError):
+        return None
 
 
 def _part(array: Any, box: tuple[slice, slice, slice]) -> npt.NDArray[Any]:
@@ -154,13 +172,6 @@ def _computed(
     tasks: list[Any], client: Any, progress: Any, unfinished: dict[int, Any]
 ) -> list[bytes]:
     """The results of all tasks, in their order. Those that are finished leave `unfinished`."""
-    if client is None:
-        try:
-            from distributed import get_client
-
-            client = get_client()
-        except (ImportError, ValueError):
-            pass
     numbers = {task.key: block for block, task in enumerate(tasks)}
 
     def finish(key: Any) -> None:

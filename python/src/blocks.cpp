@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "blocks.h"
 
+#include <cstddef>
+#include <cstring>
 #include <string_view>
 
 #include "array_volume.h"
@@ -37,6 +39,13 @@ Axes axes_of(const std::string& order) {
   return Axes(order == "ijk" ? std::array{2, 1, 0} : std::array{0, 1, 2});
 }
 
+Slices slices_of(const BlockBox& box) {
+  Slices out;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out[axis] = {box.first[2 - axis], box.last[2 - axis] + 1};
+  return out;
+}
+
 }  // namespace
 
 BlockedArray::BlockedArray(const std::array<std::size_t, 3>& shape, const py::dtype& dtype,
@@ -58,31 +67,43 @@ BlockedArray::BlockedArray(const std::array<std::size_t, 3>& shape, const py::dt
                 "space: ras needs the coordinates x, y, z, expected order='xyz' with it");
 }
 
-std::array<std::pair<std::size_t, std::size_t>, 3> BlockedArray::slices(std::size_t block) const {
-  const BlockBox box = plan_.block(block);
-  std::array<std::pair<std::size_t, std::size_t>, 3> out;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    out[axis] = {box.first[2 - axis], box.last[2 - axis] + 1};
-  return out;
-}
+Slices BlockedArray::slices(std::size_t block) const { return slices_of(plan_.block(block)); }
 
-py::bytes BlockedArray::mesh(std::size_t block, const py::array& samples) const {
-  const auto slices_of_block = slices(block);
+// @param name  of the box, for messages
+VolumeView BlockedArray::view_of(const py::array& samples, const Slices& slices,
+                                 const std::string& name) const {
   bool fits = samples.ndim() == 3 && (samples.flags() & py::array::c_style) != 0 &&
               sample_type_of(samples.dtype()) == type_;
   for (std::size_t axis = 0; fits && axis < 3; ++axis) {
-    const auto [first, end] = slices_of_block[axis];
+    const auto [first, end] = slices[axis];
     fits = static_cast<std::size_t>(samples.shape(static_cast<py::ssize_t>(axis))) == end - first;
   }
   if (!fits)
-    throw Error(ErrorCode::bad_argument,
-                "block " + std::to_string(block) + " has another shape or type than its samples");
+    throw Error(ErrorCode::bad_argument, name + " has another shape or type than its samples");
   VolumeView view;
   view.grid = plan_.grid();
   for (std::size_t axis = 0; axis < 3; ++axis)
-    view.grid.size[2 - axis] = slices_of_block[axis].second - slices_of_block[axis].first;
+    view.grid.size[2 - axis] = slices[axis].second - slices[axis].first;
   view.type = type_;
   view.samples = samples.data();
+  return view;
+}
+
+// A copy of the samples of a box. The caller does not hold the interpreter's lock.
+Volume BlockedArray::samples_in(const BlockBox& box, py::handle samples) const {
+  const py::gil_scoped_acquire lock;
+  const Slices slices = slices_of(box);
+  const py::array array(samples(slices[0], slices[1], slices[2]));
+  VolumeView view = view_of(array, slices, "a box of the array");
+  const auto bytes = static_cast<std::size_t>(array.nbytes());
+  const auto copy = std::make_shared<std::vector<std::byte>>(bytes);
+  std::memcpy(copy->data(), view.samples, bytes);
+  view.samples = copy->data();
+  return {view, copy};
+}
+
+py::bytes BlockedArray::mesh(std::size_t block, const py::array& samples) const {
+  const VolumeView view = view_of(samples, slices(block), "block " + std::to_string(block));
   ExtractOptions options = options_;
   options.space = axes_.space_in_library(options.space);
   const auto work = [view, options, plan = plan_, block](const RunControl& control) {
@@ -92,21 +113,28 @@ py::bytes BlockedArray::mesh(std::size_t block, const py::array& samples) const 
 }
 
 std::shared_ptr<Levels> BlockedArray::merge(const std::vector<py::bytes>& stored,
+                                            const py::function& samples,
                                             const py::object& progress) const {
   const auto bytes = std::make_shared<std::vector<std::string>>();
   for (const py::bytes& it : stored) bytes->emplace_back(std::string_view(it));
   ExtractOptions options = options_;
   options.space = axes_.space_in_library(options.space);
-  const auto work = [bytes, options, plan = plan_](const RunControl& control) {
+  const auto work = [bytes, options, self = *this,
+                     samples = py::handle(samples)](const RunControl& control) {
     std::vector<BlockMesh> meshes;
     for (std::string& it : *bytes) {
       meshes.push_back(from_bytes<BlockMesh>(it, kBlockData));
       require_corners_in_range(meshes.back().hierarchy, kBlockData);
       it = {};
     }
-    return merge_blocks(plan, std::move(meshes), options, control);
+    const auto samples_of = [&](const BlockBox& box) {
+      control.check_cancelled();
+      return self.samples_in(box, samples);
+    };
+    return merge_blocks(self.plan_, std::move(meshes), options, control, samples_of);
   };
-  Extraction extraction = compute_interruptibly(work, {.progress = progress, .threads = threads_});
+  Extraction extraction = compute_interruptibly(
+      work, {.progress = progress, .threads = threads_, .keep_alive = samples});
   axes_.to_caller(extraction, options_.space);
   auto levels = std::make_shared<Levels>();
   Levels::Extracted& extracted = levels->extracted.emplace();

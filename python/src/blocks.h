@@ -20,6 +20,9 @@ namespace isoatlas::detail::python {
 
 namespace py = pybind11;
 
+/// Per axis of an array, the first sample of a box and the one after its last.
+using Slices = std::array<std::pair<std::size_t, std::size_t>, 3>;
+
 /// A 3-D array whose samples are elsewhere, and how it is meshed. Its blocks are C-contiguous
 /// arrays. All sizes and indices are in the order of the array's axes.
 class BlockedArray {
@@ -34,15 +37,18 @@ class BlockedArray {
                const ExtractWords& words);
 
   std::size_t count() const { return plan_.block_count(); }
-  /// Per axis, the first sample of a block and the one after its last.
-  std::array<std::pair<std::size_t, std::size_t>, 3> slices(std::size_t block) const;
+  Slices slices(std::size_t block) const;
   /// The mesh of a block as bytes that merge() takes.
   py::bytes mesh(std::size_t block, const py::array& samples) const;
   /// The levels of the whole array. `meshes` are those of all blocks, in any order.
-  std::shared_ptr<Levels> merge(const std::vector<py::bytes>& meshes,
+  /// @param samples  function of three pairs (first, end): the samples of that box, C-contiguous
+  std::shared_ptr<Levels> merge(const std::vector<py::bytes>& meshes, const py::function& samples,
                                 const py::object& progress) const;
 
  private:
+  VolumeView view_of(const py::array& samples, const Slices& slices, const std::string& name) const;
+  Volume samples_in(const BlockBox& box, py::handle samples) const;
+
   Grid grid_;  // in the caller's coordinates
   Axes axes_;
   bool is_xyz_;

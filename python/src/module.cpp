@@ -226,7 +226,7 @@ PYBIND11_MODULE(_core, module) {
       .def("__len__", &BlockedArray::count)
       .def("slices", &BlockedArray::slices, "block"_a)
       .def("mesh", &BlockedArray::mesh, "block"_a, "samples"_a.noconvert())
-      .def("merge", &BlockedArray::merge, "meshes"_a, "progress"_a);
+      .def("merge", &BlockedArray::merge, "meshes"_a, "samples"_a, "progress"_a);
 
   module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
   module.def(

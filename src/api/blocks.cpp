@@ -155,7 +155,7 @@ Extraction extract_in_blocks(const BlockPlan& plan, const SamplesOfBlock& sample
   RunControl quiet = control;
   quiet.progress = nullptr;
   control.report("merge", 1);
-  return merge_blocks(plan, std::move(meshes), options, quiet);
+  return merge_blocks(plan, std::move(meshes), options, quiet, samples_of);
 }
 
 Extraction extract_in_blocks(const VolumeView& volume, const Size3& block_size,

@@ -2,12 +2,13 @@
 // The union of the meshes of all blocks (docs/theory/08-seams.md).
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "api/remove_seam_vertices.h"
 #include "api/resolve_options.h"
+#include "api/shared_planes.h"
 #include "core/ids.h"
 #include "core/parallel.h"
 #include "core/ranges.h"
@@ -17,14 +18,11 @@
 #include "geometry/box_faces.h"
 #include "geometry/output_positions.h"
 #include "isoatlas/blocks.h"
-#include "isoatlas/component_extents.h"
-#include "isoatlas/self_intersections.h"
+#include "levels/mesh_figures.h"
 
 namespace isoatlas {
 using namespace detail;
 namespace {
-
-constexpr std::size_t kListedIntersections = 10;
 
 std::string text(const Vec3& p) {
   return "(" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " + std::to_string(p.z) + ")";
@@ -34,34 +32,6 @@ std::string text(const Vec3& p) {
   throw Error(ErrorCode::bad_argument,
               what + "; make all blocks again from the same samples, with the same options");
 }
-
-// The planes between the blocks, in sample-index coordinates of the whole volume.
-class SharedPlanes {
- public:
-  explicit SharedPlanes(const BlockPlan& plan) : plan_(plan) {}
-
-  bool is_on_plane(const Vec3& p, int axis) const {
-    const auto a = static_cast<std::size_t>(axis);
-    const double x = coordinate(p, axis);
-    return x > 0 && x < static_cast<double>(plan_.grid().size[a] - 1) &&
-           std::fmod(x, static_cast<double>(plan_.block_size()[a])) == 0;
-  }
-  // The number of blocks that contain a point: two per plane that it is on.
-  std::size_t blocks_at(const Vec3& p) const {
-    std::size_t out = 1;
-    for (int axis = 0; axis < 3; ++axis) out *= is_on_plane(p, axis) ? 2 : 1;
-    return out;
-  }
-  bool have_common_plane(const Vec3& p, const Vec3& q) const {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (coordinate(p, axis) == coordinate(q, axis) && is_on_plane(p, axis)) return true;
-    }
-    return false;
-  }
-
- private:
-  const BlockPlan& plan_;
-};
 
 struct SeamVertex {
   std::array<double, 3> at;
@@ -73,12 +43,13 @@ struct SeamVertex {
 class Merger {
  public:
   Merger(const BlockPlan& plan, std::vector<BlockMesh> meshes, const ExtractOptions& options,
-         const RunControl& control)
+         const RunControl& control, const SamplesOfBlock& samples_of)
       : plan_(plan),
         planes_(plan),
         meshes_(std::move(meshes)),
         options_(in_world(options, plan.grid())),
-        control_(control) {
+        control_(control),
+        samples_of_(samples_of) {
     ranges::sort(meshes_, {}, &BlockMesh::block);
     for (std::size_t b = 0; b < plan.block_count(); ++b) {
       require(b < meshes_.size() && meshes_[b].block == b,
@@ -105,6 +76,9 @@ class Merger {
     find_seam_vertices();
     number_vertices();
     make_hierarchy();
+    if (samples_of_)
+      removed_ =
+          remove_seam_vertices(out_.hierarchy, is_on_seam_, plan_, options_, samples_of_, control_);
     make_report();
     return std::move(out_);
   }
@@ -230,7 +204,8 @@ class Merger {
   void make_report() {
     ExtractReport& to = out_.report;
     BlockSummary& blocks = to.blocks.emplace();
-    blocks = {plan_.block_size(), plan_.counts(), meshes_.size(), seam_vertices_, seam_edges_};
+    blocks = {plan_.block_size(), plan_.counts(), meshes_.size(),
+              seam_vertices_,     seam_edges_,    removed_};
     std::int64_t euler = 0;
     for (const BlockMesh& m : meshes_) {
       const ExtractReport& from = m.report;
@@ -308,23 +283,20 @@ class Merger {
     to.vertices = mesh.positions.size();
     to.triangles = mesh.triangles.size();
     const Space space = options_.space;
-    const std::vector<Vec3> index = mesh.positions;
-    transform_to(mesh, plan_.grid(), space == Space::voxel ? Space::lps : space);
-    to.quality = mesh_quality(mesh, control_);
-    std::vector<ComponentExtent> extents = component_extents(mesh, topology, control_);
-    if (space == Space::voxel) {
-      mesh.positions = index;
-      const std::vector<ComponentExtent> in_index = component_extents(mesh, topology, control_);
-      for (std::size_t c = 0; c < extents.size(); ++c) extents[c].bounds = in_index[c].bounds;
-    }
-    to.extent = summarize(extents);
-    const std::vector<TrianglePair> pairs =
-        self_intersections(mesh.positions, mesh.triangles, {}, control_);
-    to.self_intersections = pairs.size();
-    for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kListedIntersections)))
-      to.self_intersection_positions.push_back(
-          intersection_position(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
+    TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
+    TriangleMesh& measured = space == Space::voxel ? world : mesh;
+    transform_to(measured, plan_.grid(), space == Space::voxel ? Space::lps : space);
+    to.quality = mesh_quality(measured, control_);
+    to.extent = summarize(extents_of(measured, mesh, topology, control_));
+    fill_self_intersections(mesh, to, control_);
+    std::vector<ShapeObstacle> obstacles(mesh.positions.size(), ShapeObstacle::none);
+    if (l > 0)
+      std::fill_n(obstacles.begin(), out_.hierarchy.levels[l - 1].vertex_count,
+                  ShapeObstacle::earlier_level);
+    const LevelGoal& goal = l == 0 ? options_.coarse : options_.refine[l - 1];
+    to.bad_triangles = bad_triangles(measured, mesh, obstacles, goal);
     for (const BlockMesh& m : meshes_) add_level(m.report.levels[l], to);
+    include_distances(out_.hierarchy.levels[l].distance, to);
     finish_sums(l, to);
   }
 
@@ -341,10 +313,6 @@ class Merger {
       cell.position = in_space(cell.position);
       to.at_limit.push_back(cell);
     }
-    for (BadTriangle triangle : from.bad_triangles) {
-      triangle.position = in_space(triangle.position);
-      to.bad_triangles.push_back(triangle);
-    }
     if (from.metrics) {
       if (!to.metrics) to.metrics.emplace();
       for (std::size_t k = 0; k < kMetricCount; ++k) {
@@ -354,6 +322,21 @@ class Merger {
       }
     }
     add_constraints(from.constraints, to.constraints);
+  }
+
+  // Distances can have become larger near removed vertices, but not larger than their bounds.
+  static void include_distances(std::span<const float> distance, LevelReport& to) {
+    if (distance.empty()) return;
+    const double largest = *std::max_element(distance.begin(), distance.end());
+    constexpr auto kMaxDistance = static_cast<std::size_t>(Quantity::max_distance);
+    if (to.metrics) {
+      double& maximum = (*to.metrics)[kMaxDistance].maximum;
+      maximum = std::max(maximum, largest);
+    }
+    for (ConstraintResult& result : to.constraints) {
+      if (result.constraint.quantity == Quantity::max_distance)
+        result.reached = std::max(result.reached, largest);
+    }
   }
 
   // The result of the block that is farthest from satisfying a constraint is that of the whole.
@@ -386,9 +369,6 @@ class Merger {
     std::stable_sort(
         to.at_limit.begin(), to.at_limit.end(),
         [](const CellAtLimit& a, const CellAtLimit& b) { return a.excess > b.excess; });
-    std::stable_sort(
-        to.bad_triangles.begin(), to.bad_triangles.end(),
-        [](const BadTriangle& a, const BadTriangle& b) { return a.aspect_ratio < b.aspect_ratio; });
   }
 
   const BlockPlan& plan_;
@@ -396,21 +376,23 @@ class Merger {
   std::vector<BlockMesh> meshes_;  // by block; only those with a surface
   ExtractOptions options_;
   const RunControl& control_;
+  const SamplesOfBlock& samples_of_;
   std::size_t levels_ = 0;
   std::vector<SeamVertex> seam_;
   std::vector<std::vector<std::uint32_t>> number_;  // per mesh and vertex, its vertex of the result
   std::vector<std::uint32_t> vertex_count_;         // per level
   std::vector<std::uint8_t> is_on_seam_;            // per vertex of the result
-  std::size_t seam_vertices_ = 0, duplicates_ = 0, seam_edges_ = 0;
+  std::size_t seam_vertices_ = 0, duplicates_ = 0, seam_edges_ = 0, removed_ = 0;
   Extraction out_;
 };
 
 }  // namespace
 
 Extraction merge_blocks(const BlockPlan& plan, std::vector<BlockMesh> meshes,
-                        const ExtractOptions& options, const RunControl& control) {
+                        const ExtractOptions& options, const RunControl& control,
+                        const SamplesOfBlock& samples_of) {
   const ThreadLimit threads(control.threads);
-  return Merger(plan, std::move(meshes), options, control).run();
+  return Merger(plan, std::move(meshes), options, control, samples_of).run();
 }
 
 }  // namespace isoatlas

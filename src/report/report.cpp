@@ -137,11 +137,9 @@ Json to_value(const DistanceReport& distance) {
 }
 
 Json to_value(const BlockSummary& blocks) {
-  return {{"size", blocks.block_size},
-          {"counts", blocks.counts},
-          {"with_surface", blocks.with_surface},
-          {"seam_vertices", blocks.seam_vertices},
-          {"seam_edges", blocks.seam_edges}};
+  return {{"size", blocks.block_size},           {"counts", blocks.counts},
+          {"with_surface", blocks.with_surface}, {"seam_vertices", blocks.seam_vertices},
+          {"seam_edges", blocks.seam_edges},     {"removed_vertices", blocks.removed_vertices}};
 }
 
 Json to_value(const RankedComponent& component) {

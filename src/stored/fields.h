@@ -50,7 +50,8 @@ ISOATLAS_FIELDS(LevelReport, vertices, triangles, topology, certificate, caps, i
                 self_intersection_positions, sites_for_intersections, measured, rounding, seconds)
 ISOATLAS_FIELDS(RankedComponent, position, part, size, c_vertices, topology)
 ISOATLAS_FIELDS(StageTime, stage, seconds)
-ISOATLAS_FIELDS(BlockSummary, block_size, counts, with_surface, seam_vertices, seam_edges)
+ISOATLAS_FIELDS(BlockSummary, block_size, counts, with_surface, seam_vertices, seam_edges,
+                removed_vertices)
 ISOATLAS_FIELDS(ExtractReport, c_vertices, faces, double_segments, tunnels, coarser_c_vertices,
                 reference, kept, dropped, subdivided_c_vertices, added_c_vertices,
                 max_subdivision_depth, coarsening, blocks, levels, seconds, total_seconds)

@@ -29,6 +29,10 @@ std::vector<BlockMesh> mesh_blocks(const Volume& volume, const BlockPlan& plan,
   return out;
 }
 
+SamplesOfBlock boxes_of(const Volume& volume) {
+  return [&](const BlockBox& box) { return Volume{volume.view.box(box.first, box.last), {}}; };
+}
+
 bool has_surface(const Samples& samples) {
   const auto [low, high] = std::minmax_element(samples.values.begin(), samples.values.end());
   return *low < 0 && *high >= 0;
@@ -56,7 +60,7 @@ std::string what_is_wrong(const Extraction& merged, const TopologySummary& expec
 
 TEST(Blocks, RandomVolumes) {
   const std::uint64_t seeds = is_thorough() ? 48 : 8;
-  std::size_t seams = 0;
+  std::size_t seams = 0, removed = 0;
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     Random random(seed);
     const auto family = static_cast<Family>(seed % kFamilies);
@@ -79,12 +83,17 @@ TEST(Blocks, RandomVolumes) {
     const auto block = [&] { return static_cast<std::size_t>(random.between(1, 5)); };
     const BlockPlan plan(volume.view.grid, {block(), block(), block()});
     SCOPED_TRACE(std::string(name(family)) + " " + std::to_string(seed));
-    const Extraction merged = merge_blocks(plan, mesh_blocks(volume, plan, options), options);
-    ASSERT_EQ(what_is_wrong(merged, whole.report.reference), "")
-        << name(family) << " " << seed << ", " << plan.block_count() << " blocks";
+    const std::vector<BlockMesh> meshes = mesh_blocks(volume, plan, options);
+    const Extraction merged = merge_blocks(plan, meshes, options),
+                     simplified = merge_blocks(plan, meshes, options, {}, boxes_of(volume));
+    for (const Extraction* each : {&merged, &simplified})
+      ASSERT_EQ(what_is_wrong(*each, whole.report.reference), "")
+          << name(family) << " " << seed << ", " << plan.block_count() << " blocks";
     seams += merged.report.blocks->seam_edges;
+    removed += simplified.report.blocks->removed_vertices;
   }
   EXPECT_GT(seams, 10 * seeds);
+  EXPECT_GT(removed, seeds);
 }
 
 std::vector<BlockMesh> example(const BlockPlan& plan, double isovalue,
@@ -155,15 +164,48 @@ TEST(Blocks, LevelsAreNestedAndWithinTheirBounds) {
     EXPECT_LT(hierarchy.parent[v], hierarchy.levels[1].vertex_count);
 }
 
+// The vertices of a coarser level are the first ones, at the same positions, and parents are
+// vertices of the previous level.
+TEST(Blocks, SeamsLeaveNoTrace) {
+  const Volume volume = to_volume(sampled({40, 36, 30}, torus({19.5, 17.5, 14.5}, 11, 4.7)));
+  const BlockPlan plan(volume.view.grid, {16, 16, 16});
+  ExtractOptions options;
+  options.refine = {within(1.0), within(0.5)};
+  const std::vector<BlockMesh> meshes = mesh_blocks(volume, plan, options);
+  const Extraction merged = merge_blocks(plan, meshes, options),
+                   simplified = merge_blocks(plan, meshes, options, {}, boxes_of(volume));
+  const Extraction whole = extract(volume, options);
+  ASSERT_EQ(what_is_wrong(simplified, whole.report.reference), "");
+  const Hierarchy& hierarchy = simplified.hierarchy;
+  ASSERT_EQ(hierarchy.levels.size(), 3u);
+  EXPECT_EQ(hierarchy.positions.size() + simplified.report.blocks->removed_vertices,
+            merged.hierarchy.positions.size());
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t before = k == 0 ? 0 : hierarchy.levels[k - 1].vertex_count;
+    ASSERT_LE(before, hierarchy.levels[k].vertex_count);
+    for (std::uint32_t v = before; v < hierarchy.levels[k].vertex_count; ++v) {
+      EXPECT_LT(hierarchy.parent[v], k == 0 ? v + 1 : before);
+    }
+    EXPECT_LT(2 * hierarchy.levels[k].vertex_count, merged.hierarchy.levels[k].vertex_count) << k;
+    if (k == 0) continue;
+    MeasureOptions measured;
+    measured.samples = 50000;
+    const double bound = k == 1 ? 1.0 : 0.5;
+    EXPECT_LE(measure(hierarchy.mesh(k), volume, measured).maximum(), bound);
+    ASSERT_TRUE(simplified.report.levels[k].distance_at_most);
+    EXPECT_LE(*simplified.report.levels[k].distance_at_most, bound);
+  }
+}
+
 TEST(Blocks, TheOrderDoesNotMatter) {
   const BlockPlan plan = example_plan();
   std::vector<BlockMesh> meshes = example(plan, 0);
-  const Extraction one = merge_blocks(plan, meshes, {});
+  const Volume volume = to_volume(sampled({12, 10, 9}, torus({5.5, 4.5, 4}, 3, 1.2)));
+  const Extraction one = merge_blocks(plan, meshes, {}, {}, boxes_of(volume));
   std::reverse(meshes.begin(), meshes.end());
-  const Extraction other = merge_blocks(plan, std::move(meshes), {});
+  const Extraction other = merge_blocks(plan, std::move(meshes), {}, {}, boxes_of(volume));
   EXPECT_EQ(one.hierarchy.positions, other.hierarchy.positions);
   EXPECT_EQ(one.hierarchy.levels.back().triangles, other.hierarchy.levels.back().triangles);
-  const Volume volume = to_volume(sampled({12, 10, 9}, torus({5.5, 4.5, 4}, 3, 1.2)));
   std::size_t finished = 0;
   const Extraction loop = extract_in_blocks(volume, plan.block_size(), {}, {},
                                             [&](std::size_t b) { EXPECT_EQ(b, finished++); });
