@@ -14,7 +14,7 @@ function(install_library name)
     DESTINATION ${package_folder} COMPONENT development)
 endfunction()
 
-set(io_headers block_file.h io.h json.h mesh_file.h text_file.h volume_file.h
+set(io_headers block_file.h io.h json.h mesh_file.h neuroglancer.h text_file.h volume_file.h
   volume_reader.h volume_source.h)
 file(GLOB headers RELATIVE ${PROJECT_SOURCE_DIR}/include/isoatlas
   ${PROJECT_SOURCE_DIR}/include/isoatlas/*.h)

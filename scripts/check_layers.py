@@ -42,6 +42,7 @@ PUBLIC = {
     "volume_file.h": "volume_files",
     "volume_reader.h": "volume_files",
     "mesh_file.h": "mesh_files",
+    "neuroglancer.h": "mesh_files",
     "vtkIsoAtlas.h": "vtk_filter",
 }
 # Headers of libraries, and the modules that may include them.
@@ -51,7 +52,7 @@ PRIVATE_LIBRARIES = {
     r"(dcmtk|charls|openjpeg|nifti|tiff|png|blosc|zstd|hdf5)": {"volume_files"},
     r"openssl/": {"files"},
     r"pugixml": {"volume_files", "mesh_files"},
-    r"(tiny_gltf|zip\.h)": {"mesh_files"},
+    r"(tiny_gltf|zip\.h|draco/)": {"mesh_files"},
     r"vtk[A-Z]": {"drawing", "vtk_filter"},
     r"(expat|lzma)\.h": {"files"},
     r"lz4\.h": {"files", "volume_files"},

@@ -20,6 +20,7 @@ import zipfile
 # Debian package -> licence of the library in it.
 LICENCES = {
     "libblosc1": "BSD-3-Clause",
+    "libdraco7": "Apache-2.0",
     "libbrotli1": "MIT",
     "libbz2-1.0": "bzip2-1.0.6",
     "libcharls2": "BSD-3-Clause",

@@ -16,8 +16,8 @@ set -euo pipefail
 build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev libtiff-dev libpng-dev
   libdcmtk-dev libcharls-dev libopenjp2-7-dev libnifti-dev libpugixml-dev libexpat1-dev liblz4-dev
   libblosc-dev libhdf5-dev libzstd-dev
-  liblzma-dev libzip-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev nlohmann-json3-dev
-  libtinygltf-dev libmeshoptimizer-dev libcpp-httplib-dev pkg-config)
+  liblzma-dev libzip-dev libdraco-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev
+  nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev libcpp-httplib-dev pkg-config)
 # The HTML page needs Node.js 18 or later, from any source.
 command -v node > /dev/null || build+=(nodejs)
 command -v npm > /dev/null || build+=(npm)

@@ -360,6 +360,9 @@ docs/reference/report.md. - is standard output, if the mesh does not go there.
 Write a page that shows the levels in 3-D with their data. It opens in any browser, without a
 network. It names files without their folders. See docs/report.md.
 )")->type_name("FILE")->group(kOutput);
+  command->add_option("--neuroglancer", arguments.neuroglancer, R"(
+Also write all levels for Neuroglancer into a folder, as a multi-resolution mesh. See docs/scale.md.
+)")->type_name("FOLDER")->group(kOutput);
   add_value(*command, kOutput, "--space", "SPACE", R"(
 Coordinates of the mesh. lps: world coordinates as in ITK. ras: the same with x and y negated.
 voxel: sample indices. Default: lps.

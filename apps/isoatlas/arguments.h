@@ -30,6 +30,7 @@ struct ExtractArguments : ExtractSettings {
   std::string format;  ///< of a mesh on standard output: an extension without its dot; empty: not
                        ///< given
   std::optional<std::filesystem::path> report, page;
+  std::optional<std::filesystem::path> neuroglancer;  ///< a folder
   /// All levels as files of their own as well, for 3D Slicer: a name with {level}.
   std::optional<std::filesystem::path> level_files;
   bool glb_per_level = false;  ///< also write one .glb per level, and a manifest

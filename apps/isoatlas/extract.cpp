@@ -197,6 +197,12 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
   state_rounding(report, outputs.roundings(extraction.hierarchy, mesh_info), grid, options.space);
   context.files = outputs.write_meshes(extraction.hierarchy, file_info(report, options, grid.unit),
                                        options.allow_self_intersections ? nullptr : &control);
+  if (arguments.neuroglancer) {
+    NeuroglancerMesh written = outputs.write_neuroglancer(
+        extraction.hierarchy, file_info(report, options, grid.unit), control);
+    context.neuroglancer = {arguments.neuroglancer->string(), written.fragments, written.bytes,
+                            std::move(written.rounding), std::move(written.self_intersections)};
+  }
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
   if (arguments.strict) {

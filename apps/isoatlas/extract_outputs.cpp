@@ -46,6 +46,28 @@ std::vector<MeshOutputs::Other> others_of(const ExtractArguments& arguments) {
   return others;
 }
 
+// The folder of a mesh for Neuroglancer.
+void check_folder(const fs::path& folder, const ExtractArguments& arguments,
+                  const std::vector<MeshOutputs::Other>& others) {
+  if (is_standard_stream(folder) || !folder.has_filename())
+    refuse("--neuroglancer " + folder.string() + ": expected the name of a folder");
+  if (same_file(folder, arguments.volume.path))
+    refuse(folder.string() + ": the mesh for Neuroglancer would replace the volume");
+  if (same_file(folder, arguments.mesh))
+    refuse(folder.string() + ": the mesh for Neuroglancer would replace the mesh");
+  for (const MeshOutputs::Other& other : others) {
+    if (same_file(folder, other.path))
+      refuse(folder.string() + ": the mesh for Neuroglancer would replace the " + other.what);
+  }
+  check_neuroglancer_folder(folder);
+  std::error_code error;
+  const fs::path parent = resolved(folder).parent_path();
+  if (!fs::is_directory(parent, error))
+    throw Error(ErrorCode::bad_file,
+                folder.string() + ": cannot be written: there is no folder " + parent.string());
+  check_output_path(parent / (folder.filename().string() + ".index"));
+}
+
 std::string shown(const fs::path& path) {
   return is_standard_stream(path) ? kStandardOutputName : path.string();
 }
@@ -56,6 +78,7 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
     : level_count_(level_count),
       stream_file_(stream_of(arguments)),
       meshes_(stream_file_ ? stream_file_->path() : arguments.mesh, arguments.glb_per_level),
+      neuroglancer_(arguments.neuroglancer),
       others_(others_of(arguments)) {
   if (arguments.level_files) level_meshes_.emplace(*arguments.level_files, false);
   std::vector<MeshOutputs::Other> named;
@@ -79,6 +102,7 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
     named.push_back({arguments.mesh, "mesh of the finest level"});
     level_meshes_->check(level_count, arguments.volume.path, named);
   }
+  if (neuroglancer_) check_folder(*neuroglancer_, arguments, named);
   if (arguments.report && !is_standard_stream(*arguments.report))
     require_report_name(*arguments.report);
   if (arguments.page && !is_standard_stream(*arguments.page)) require_page_name(*arguments.page);
@@ -116,6 +140,15 @@ std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy,
   } catch (const Error& error) {
     throw stream_file_->renamed(error);
   }
+}
+
+NeuroglancerMesh ExtractOutputs::write_neuroglancer(const Hierarchy& hierarchy,
+                                                    const HierarchyFileInfo& info,
+                                                    const RunControl& control) {
+  if (!neuroglancer_) return {};
+  return files_.write(*neuroglancer_, [&](const fs::path& staged) {
+    return isoatlas::write_neuroglancer(hierarchy, staged, info, control);
+  });
 }
 
 void ExtractOutputs::write_text(const fs::path& name, const std::string& text) {
@@ -156,6 +189,7 @@ std::string ExtractOutputs::names(std::size_t mesh_bytes) const {
   }
   text += " (" + bytes_text(static_cast<double>(mesh_bytes)) + ")";
   for (const auto& [path, what] : others_) text += ", " + what + " " + shown(path);
+  if (neuroglancer_) text += ", Neuroglancer " + neuroglancer_->string();
   return one_line(text);
 }
 

@@ -9,6 +9,7 @@
 
 #include "arguments.h"
 #include "interruption.h"
+#include "isoatlas/neuroglancer.h"
 #include "outputs/mesh_outputs.h"
 #include "outputs/output_files.h"
 #include "outputs/standard_output.h"
@@ -33,6 +34,10 @@ class ExtractOutputs {
   std::vector<ReportFile> write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
                                        const RunControl* intersection_control);
 
+  /// Writes all levels for Neuroglancer to the staging folder, if that was requested.
+  NeuroglancerMesh write_neuroglancer(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
+                                      const RunControl& control);
+
   /// Writes a report or a page to the staging folder. `name` is that of the arguments.
   void write_text(const std::filesystem::path& name, const std::string& text);
 
@@ -54,7 +59,8 @@ class ExtractOutputs {
   std::string stream_text_;
   MeshOutputs meshes_;
   std::optional<MeshOutputs> level_meshes_;  ///< also all levels, as .vtp, which do not round
-  std::vector<MeshOutputs::Other> others_;   ///< report, page and returned values
+  std::optional<std::filesystem::path> neuroglancer_;
+  std::vector<MeshOutputs::Other> others_;  ///< report, page and returned values
   OutputFiles files_;
 };
 

@@ -95,6 +95,7 @@ constexpr Synonyms kOptions[] = {
     {"--space", "coordinates coordinate-system coords orientation space-out"},
     {"--threads", "jobs j nthreads num-threads parallel cores cpus n-threads np"},
     {"--html", "web page view show viewer"},
+    {"--neuroglancer", "precomputed multilod draco"},
     {"--report", "json log statistics stats json-report"},
     {"--json", "as-json format report"},
     {"--measure", "distance check verify hausdorff-distance"},

@@ -6,6 +6,7 @@
 #include "isoatlas/block_file.h"
 #include "isoatlas/json.h"
 #include "isoatlas/mesh_file.h"
+#include "isoatlas/neuroglancer.h"
 #include "isoatlas/text_file.h"
 #include "isoatlas/volume_file.h"
 #include "isoatlas/volume_reader.h"

@@ -322,6 +322,25 @@ class Mesh:
                 stacklevel=2,
             )
 
+    def save_neuroglancer(self, folder: str | os.PathLike[str]) -> None:
+        """Write all levels as a multi-resolution mesh for Neuroglancer: as ``--neuroglancer``.
+
+        See docs/reference/files.md for the contents. Either all files are written, or none is.
+
+        Parameters
+        ----------
+        folder : str or path
+            Is made if it does not exist. In Neuroglancer the source is
+            ``precomputed://`` and the address of the folder; the mesh is segment 1.
+
+        Raises
+        ------
+        BadFileError
+            An ``OSError``: a file cannot be written, the folder has the description of something
+            else, or 16 bits per coordinate would change the topology.
+        """
+        self._core.save_neuroglancer(folder)
+
     def to_html(self) -> str:
         """The page that shows all levels in 3-D, as a text. It loads nothing from a network.
 

@@ -9,6 +9,7 @@
 #include "core/file_name.h"
 #include "interruptible.h"
 #include "isoatlas/error.h"
+#include "isoatlas/neuroglancer.h"
 #include "isoatlas/version.h"
 #include "outputs/mesh_outputs.h"
 #include "outputs/output_files.h"
@@ -278,6 +279,20 @@ std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string
       },
       {.discard = [output_files] { output_files->discard(); }});
   return *warning;
+}
+
+void save_neuroglancer(const std::shared_ptr<Levels>& levels, const std::string& folder) {
+  check_neuroglancer_folder(folder);
+  const auto output_files = std::make_shared<OutputFiles>();
+  run_interruptibly(
+      [levels, folder, output_files](const RunControl& control) {
+        output_files->write(folder, [&](const fs::path& staged) {
+          return write_neuroglancer(levels->hierarchy, staged, levels->info, control);
+        });
+        control.check_cancelled();
+        output_files->commit();
+      },
+      {.discard = [output_files] { output_files->discard(); }});
 }
 
 }  // namespace isoatlas::detail::python

@@ -75,4 +75,7 @@ std::string page_of(const std::shared_ptr<Levels>& levels, std::size_t level_cou
 std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
                         const std::optional<std::string>& report, bool glb_per_level);
 
+/// Writes the mesh of --neuroglancer. @throws Error(bad_file)
+void save_neuroglancer(const std::shared_ptr<Levels>& levels, const std::string& folder);
+
 }  // namespace isoatlas::detail::python

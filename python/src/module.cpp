@@ -212,6 +212,12 @@ PYBIND11_MODULE(_core, module) {
             return save_levels(levels, path_of(path), path_or_none(report), glb_per_level);
           },
           "path"_a, "report"_a, "glb_per_level"_a)
+      .def(
+          "save_neuroglancer",
+          [](const std::shared_ptr<Levels>& levels, const py::object& folder) {
+            save_neuroglancer(levels, path_of(folder));
+          },
+          "folder"_a)
       .def(py::pickle([](const Levels& levels) { return py::bytes(stored(levels)); },
                       [](const py::bytes& bytes) { return levels_from(std::string_view(bytes)); }));
 

@@ -149,7 +149,8 @@ std::vector<OutputFiles::Move> OutputFiles::moves_of(const Staged& staged) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staged.folder))
     if (!entry.is_directory() && entry.path() != staged.file()) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
-  files.push_back(staged.file());  // the last one, because it may refer to the others
+  // The last one, because it may refer to the others.
+  if (!fs::is_directory(staged.file())) files.push_back(staged.file());
   std::vector<Move> moves;
   for (const fs::path& file : files) {
     const fs::path destination =

@@ -52,8 +52,8 @@ class OutputFiles {
   }
 
   /// The staged path of a destination: the same file name in a new hidden folder. Folders that are
-  /// created next to the staged file are moved with it. If such a folder exists at the destination,
-  /// only files of the same name are replaced in it.
+  /// created next to the staged file, or in its place, are moved with it. If such a folder exists
+  /// at the destination, only files of the same name are replaced in it.
   std::filesystem::path stage(const std::filesystem::path& destination);
 
   /// Moves all staged files to their destinations.

@@ -184,6 +184,20 @@ Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
   return nullptr;
 }
 
+/// The mesh for Neuroglancer, or null.
+Json neuroglancer_value(const ReportContext& context) {
+  if (!context.neuroglancer) return nullptr;
+  const NeuroglancerReport& mesh = *context.neuroglancer;
+  Json levels = Json::array();
+  for (std::size_t k = 0; k < mesh.rounding.size(); ++k)
+    levels.push_back({{"largest_rounding", mesh.rounding[k]},
+                      {"self_intersections", mesh.self_intersections[k]}});
+  return {{"path", mesh.path},
+          {"fragments", mesh.fragments},
+          {"bytes", mesh.bytes},
+          {"levels", std::move(levels)}};
+}
+
 Json surface_value(const SurfaceOptions& surface) {
   return {{"isovalue", surface.isovalue},
           {"inside", text(surface.inside)},
@@ -289,6 +303,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   add_result(json, report, context.files);
   Json& files = json["files"] = Json::array();
   for (const ReportFile& file : context.files) files.push_back(to_value(file));
+  json["neuroglancer"] = neuroglancer_value(context);
   json["seconds"] = seconds_value(report, context.read_seconds, context.write_seconds);
   json["peak_memory_bytes"] = context.peak_memory_bytes;
   return to_text(json);
@@ -378,6 +393,7 @@ std::string to_json(const ExtractReport& report) try {
   for (const char* key : {"command", "input", "surface", "parameters"}) json[key] = nullptr;
   add_result(json, report, {});
   json["files"] = report::Json::array();
+  json["neuroglancer"] = nullptr;
   json["seconds"] = seconds_value(report, nullptr, nullptr);
   json["peak_memory_bytes"] = nullptr;
   return report::to_text(json);

@@ -42,6 +42,14 @@ struct ReportFile {
   std::vector<SelfIntersectionReport> self_intersections = {};
 };
 
+/// A mesh for Neuroglancer that was written; per level as NeuroglancerMesh.
+struct NeuroglancerReport {
+  std::string path;  ///< of the folder
+  std::size_t fragments = 0, bytes = 0;
+  std::vector<double> rounding;
+  std::vector<std::size_t> self_intersections;
+};
+
 /// A volume and the facts about its file.
 struct VolumeReport {
   std::string path;           ///< empty: the volume came from memory
@@ -68,6 +76,7 @@ struct ReportContext {
   VolumeReport volume;
   std::string command;  ///< the command line, quoted for a shell; empty: no command
   std::vector<ReportFile> files;
+  std::optional<NeuroglancerReport> neuroglancer = {};
   ExtractOptions options;
   int threads = 0;  ///< the requested number; 0: as many as the machine has
   double read_seconds = 0, write_seconds = 0;

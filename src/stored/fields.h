@@ -78,9 +78,10 @@ inline auto fields(Constraint& it) {
   return std::tie(quantity, bound, is_default, in_voxels);
 }
 
-/// Without the list of written files.
+/// Without what was written.
 inline auto fields(ReportContext& it) {
-  auto& [volume, command, files, options, threads, read_seconds, write_seconds, peak_memory] = it;
+  auto& [volume, command, files, neuroglancer, options, threads, read_seconds, write_seconds,
+         peak_memory] = it;
   return std::tie(volume, command, options, threads, read_seconds, write_seconds, peak_memory);
 }
 

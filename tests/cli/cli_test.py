@@ -208,7 +208,7 @@ class Help(ToolTest):
         "--measure --measure-samples --min-component-size --keep-components "
         "--keep-near --drop-near "
         "--interpolation --supersample --adaptive-supersample "
-        "--allow-self-intersections --strict --html --memory --block-size --parts",
+        "--allow-self-intersections --strict --html --neuroglancer --memory --block-size --parts",
         "info": "--json -h --help " + READING,
         "view": "--iso --inside --no-browser --port -q --quiet -h --help " + READING,
         "check": "--json --self-intersections --volume --iso --inside --topology --nan "

@@ -73,6 +73,7 @@ struct FullReport {
     context.volume.source.decisions = {{"affine", "sform"}};
     context.volume.source.choices = {{"channel", {"DAPI", "GFP"}, 1}};
     context.files = {{"a.glb", {0, 1}, 99, true, 0.25}, {"a-1.glb", {1}, 9, true, 0.5}};
+    context.neuroglancer = {"ng", 9, 99, {0.5, 0.25}, {1, 0}};
     context.options.coarse = {{Quantity::max_vertices, 5}};
     context.options.refine = {{{Quantity::max_distance, 3}}};
   }
@@ -112,7 +113,8 @@ TEST(Report, HasTheDocumentedKeysAndNoOthers) {
 TEST(Report, ToJsonOfTheLibraryHasTheSameResult) {
   const FullReport full;
   Json expected = full.json();
-  for (const char* key : {"command", "input", "surface", "parameters", "peak_memory_bytes"})
+  for (const char* key :
+       {"command", "input", "surface", "parameters", "peak_memory_bytes", "neuroglancer"})
     expected[key] = nullptr;
   for (Json& level : expected["levels"]) level["path"] = nullptr;
   expected["files"] = Json::array();
