@@ -104,7 +104,7 @@ class SeamPass {
             : level.own_positions;
     CollapsingMesh mesh(positions, std::move(level.triangles), spacing_);
     IntersectionTracker tracker(OutputPositions(plan_.grid(), options_.space, 1));
-    tracker.update(positions, mesh.triangles(), control_);
+    tracker.start(positions, mesh.triangles(), control_);
     VertexRemoval removal(mesh, tracker, box_, limits->collapse, control_);
     const std::vector<std::uint32_t> candidates = candidates_of(l, mesh);
     const auto remove = [&](std::span<const std::uint32_t> vertices, NearbyIsosurface* isosurface) {

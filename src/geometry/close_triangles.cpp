@@ -106,16 +106,28 @@ void CloseTriangles::remove_from_bvh(std::uint32_t t) {
   bvh_of_[t] = kNone;
 }
 
-// Finds all pairs, with one BVH of all triangles.
-std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positions,
-                                                    std::span<const Triangle> triangles,
-                                                    const PairTest& is_wanted,
-                                                    const RunControl& control) {
+// Makes one BVH of all triangles.
+void CloseTriangles::index_all(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                               const RunControl& control) {
   scaling_ = centred_scaling(positions);
   bvhs_.clear();
   std::vector<std::uint32_t> ids(triangles.size());
   std::iota(ids.begin(), ids.end(), 0u);
   add_bvh(std::move(ids), positions, triangles, control);
+}
+
+void CloseTriangles::start(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                           const RunControl& control) {
+  bvh_of_.assign(triangles.size(), kNone);
+  index_all(positions, triangles, control);
+}
+
+// Finds all pairs, with one BVH of all triangles.
+std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positions,
+                                                    std::span<const Triangle> triangles,
+                                                    const PairTest& is_wanted,
+                                                    const RunControl& control) {
+  index_all(positions, triangles, control);
   const TriangleBvh& bvh = bvhs_.back().bvh;
   std::vector<Box> boxes(bvh.triangle_count());  // in the order of the BVH
   for_each_chunk(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {

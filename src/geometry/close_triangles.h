@@ -26,6 +26,11 @@ class CloseTriangles {
   /// @param margin  the boxes of triangles are enlarged by this on all sides
   explicit CloseTriangles(double margin = 0) : margin_(margin) {}
 
+  /// The first mesh, if its pairs are not wanted: only later changes are tested.
+  /// @cost  O(T log T)
+  void start(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+             const RunControl& control);
+
   /// @param changed  the ids of the triangles that are new since the last call or have a corner
   ///                 that moved, sorted
   /// @return the pairs with at least one of these that pass the test: sorted, the smaller id first
@@ -58,6 +63,8 @@ class CloseTriangles {
   double scaled_margin() const;
   void add_bvh(std::vector<std::uint32_t> ids, std::span<const Vec3> positions,
                std::span<const Triangle> triangles, const RunControl& control);
+  void index_all(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                 const RunControl& control);
   void remove_from_bvh(std::uint32_t t);
   std::vector<std::uint32_t> current(const IndexedBvh& bvh) const;
   std::vector<TrianglePair> all_pairs(std::span<const Vec3> positions,

@@ -84,6 +84,14 @@ bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32
   return false;
 }
 
+void IntersectionTracker::start(std::span<const Vec3> positions,
+                                std::span<const Triangle> triangles, const RunControl& control) {
+  const ThreadLimit threads(control.threads);
+  pairs_.clear();
+  update_mesh(positions, triangles);
+  close_.start(output_, triangles_, control);
+}
+
 std::vector<std::uint32_t> IntersectionTracker::update(std::span<const Vec3> positions,
                                                        std::span<const Triangle> triangles,
                                                        const RunControl& control) {

@@ -18,6 +18,10 @@ class IntersectionTracker {
   explicit IntersectionTracker(OutputPositions forms = {})
       : forms_(std::move(forms)), close_(forms_.max_rounding()) {}
 
+  /// The first mesh, without a test: only triangles that change later are tested.
+  void start(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+             const RunControl& control);
+
   /// Tests all forms of the positions.
   /// @param positions  in sample-index coordinates
   /// @param triangles  an unchanged triangle must keep its id, otherwise it counts as changed
@@ -41,7 +45,8 @@ class IntersectionTracker {
   /// For each intersecting pair the largest corner, or all six if the largest has size 0; sorted.
   std::vector<std::uint32_t> largest_corners(std::span<const float> size_of_vertex) const;
 
-  /// The intersecting pairs of the last mesh; a triangle without area is a pair with itself.
+  /// The intersecting pairs that were found and still intersect; a triangle without area is a pair
+  /// with itself.
   std::span<const TrianglePair> pairs() const { return pairs_; }
   std::size_t pair_count() const { return pairs_.size(); }
 

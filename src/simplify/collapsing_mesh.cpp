@@ -11,7 +11,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kVerticesPerChunk = 1024;
+constexpr std::size_t kStarsPerChunk = 1024;
 
 bool has_corner(const Triangle& t, std::uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
 
@@ -48,7 +48,7 @@ CollapsingMesh::CollapsingMesh(std::span<const Vec3> positions, std::vector<Tria
     for (const std::uint32_t v : triangles_[t]) star_.push_back(v, t);
   }
   is_on_boundary_.resize(positions.size());
-  for_each_index(positions.size(), kVerticesPerChunk, [&](std::size_t i) {
+  for_each_index(positions.size(), kStarsPerChunk, [&](std::size_t i) {
     const auto v = static_cast<std::uint32_t>(i);
     is_on_boundary_[v] = has_gap(star(v), triangles_, v) ? 1 : 0;
   });

@@ -38,7 +38,7 @@ Simplified simplify(const Volume& volume, double bound, Evidence evidence = Evid
   const TriangleMesh fine = triangles_of(surface);
   CollapsingMesh mesh(fine.positions, fine.triangles, surface.spacing);
   IntersectionTracker tracker;
-  tracker.update(fine.positions, fine.triangles, {});
+  tracker.start(fine.positions, fine.triangles, {});
   CollapseLimits limits;
   limits.max_distance = bound;
   const BoxFaces box = box_of(volume.view.grid);
