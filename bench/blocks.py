@@ -32,7 +32,7 @@ INTRODUCTION = f"""{TITLE}
 Written by `bench/blocks.py`: `--block-size`, `--topology faces`, level 0 and the level within the
 default bound. An oracle from outside the project compares each level with the volume: the topology
 component by component, and all pairs of triangles, exactly. "Triangles" is their number divided by
-that of the same level of the whole volume; it includes the vertices on all shared faces.
+that of the same level of the whole volume.
 """
 HEADER = [
     "| isosurface | block | blocks | level | triangles | topology | intersecting pairs "
@@ -50,6 +50,7 @@ def rows_of(oracle, folder, label, path, iso, coarse):
     whole = isoatlas.extract(volume, float(iso), topology="faces", space="voxel", coarse=coarse)
     for block in BLOCKS[:1] if coarse else BLOCKS:
         mesh, report = folder / "blocks.vtm", folder / "blocks.json"
+        report.unlink(missing_ok=True)  # so that a failed run cannot leave an old one
         done = subprocess.run(
             [sys.executable, "-m", "isoatlas", "extract", path, "--iso", iso, *options, "-q",
              "--block-size", block, "-o", mesh, "--report", report],
