@@ -24,9 +24,13 @@ export const LAUNCH = {
     "--no-sandbox",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    // Only WebGL needs the graphics process. Drawing the page there, too, takes most of its time.
+    "--disable-gpu-compositing",
   ],
 };
 export const SLOW = 60_000;  // software rendering is slow on a busy machine
+/** The smallest window for the wide layout, in which pictures are drawn sooner. */
+export const SMALL = {width: 1000, height: 640};
 
 export let browser;
 export let folder;
@@ -52,38 +56,78 @@ export function fileOf(name) {
   return files.get(name);
 }
 
-/** Opens a page and collects console messages, errors, and requests for other addresses. */
-export async function open(
-  path,
+/** Windows that are used again, by whether they have touch: a new one takes a second. */
+const idle = {false: [], true: []};
+
+async function newWindow(from, touch) {
+  const context = await from.newContext({
+    viewport: {width: 1440, height: 900},
+    hasTouch: touch,
+    isMobile: touch,
+    acceptDownloads: true,
+  });
+  const page = await context.newPage();
+  const window = {page, report: () => undefined, expects: () => true};
+  page.on("console", (message) => {
+    // A remark of the browser, which reads each picture of the canvas to show it.
+    if (/GPU stall due to ReadPixels/.test(message.text())) return;
+    window.report(`${message.type()}: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => window.report(`error: ${error.message}`));
+  page.on("request", (request) => {
+    const url = request.url();
+    if (!window.expects(url)) window.report(`request: ${url.slice(0, 80)}`);
+  });
+  return window;
+}
+
+/**
+ * An empty page, and the list in which its console messages, errors, and unexpected requests will
+ * be.
+ * @param expects whether an address is expected
+ * @param fresh whether it has its own window, which is closed after it
+ */
+export async function emptyPage(
+  expects,
   {
     width = 1440,
     height = 900,
     dark = false,
     motion = false,
     touch = false,
-    hash = "",
+    fresh = false,
     in: from = browser,
   } = {},
 ) {
-  const context = await from.newContext({
-    viewport: {width, height},
+  const isKept = !fresh && from === browser;
+  const window = (isKept && idle[touch].pop()) || (await newWindow(from, touch));
+  const {page} = window;
+  await page.setViewportSize({width, height});
+  await page.emulateMedia({
     colorScheme: dark ? "dark" : "light",
     reducedMotion: motion ? "no-preference" : "reduce",
-    hasTouch: touch,
-    isMobile: touch,
   });
-  const page = await context.newPage();
-  page.setDefaultTimeout(SLOW / 2);
   const trouble = [];
+  window.report = (line) => trouble.push(line);
+  window.expects = expects;
+  const close = async () => {
+    window.report = () => undefined;
+    if (!isKept) return page.context().close();
+    await page.goto("about:blank");
+    if (!touch) await page.mouse.move(0, 0);  // nothing of the next page is under it
+    idle[touch].push(window);
+  };
+  return {page, trouble, close};
+}
+
+/** Opens a page and collects console messages, errors, and requests for other addresses. */
+export async function open(path, {hash = "", ...options} = {}) {
   const url = pathToFileURL(path).href;
-  page.on("console", (message) => trouble.push(`${message.type()}: ${message.text()}`));
-  page.on("pageerror", (error) => trouble.push(`error: ${error.message}`));
-  page.on("request", (request) => {
-    if (request.url() !== url) trouble.push(`request: ${request.url().slice(0, 80)}`);
-  });
+  const {page, trouble, close} = await emptyPage((requested) => requested === url, options);
+  page.setDefaultTimeout(SLOW / 2);
   await page.goto(url + hash);
   await page.waitForSelector("html[data-ready]");
-  return {page, trouble, close: () => context.close()};
+  return {page, trouble, close};
 }
 
 /** The canvas as a data URL; equal texts mean equal pixels. */
@@ -104,8 +148,9 @@ export async function slide(page, selector, value) {
   }, String(value));
 }
 
-export async function changes(page, what, act) {
-  const old = await picture(page);
+/** @param old the picture before, if it is known @returns the picture after */
+export async function changes(page, what, act, old) {
+  old ??= await picture(page);
   await act();
   const now = await picture(page);
   assert.notEqual(now, old, `${what} changes the picture`);

@@ -5,6 +5,7 @@ import {after, before, describe, test} from "node:test";
 
 import {
   SLOW,
+  SMALL,
   fileOf,
   open,
   picture,
@@ -23,7 +24,7 @@ describe("controls", () => {
   let trouble;
   let close;
   before(async () => {
-    ({page, trouble, close} = await open(fileOf("ring").path));
+    ({page, trouble, close} = await open(fileOf("ring").path, SMALL));
   });
   after(async () => {
     assert.deepEqual(trouble, []);
@@ -31,15 +32,18 @@ describe("controls", () => {
   });
 
   test("style and colouring", {timeout: SLOW}, async () => {
-    const seen = new Set([await picture(page)]);
+    let last = await picture(page);
+    const seen = new Set([last]);
+    const differs = async (what, act) => seen.add((last = await changes(page, what, act, last)));
     for (const style of ["split", "lines"]) {
-      seen.add(await changes(page, style, () => choose(page, `style-${style}`)));
+      await differs(style, () => choose(page, `style-${style}`));
       assert.equal(await state(page, "style"), style);
     }
     for (const style of ["smooth", "lines"]) {
       await choose(page, `style-${style}`);
+      last = await picture(page);
       for (const colour of ["aspect", "distance", "component", "level"]) {
-        seen.add(await changes(page, colour, () => choose(page, `colouring-${colour}`)));
+        await differs(colour, () => choose(page, `colouring-${colour}`));
         assert.equal(await state(page, "colouring"), colour);
         assert.notEqual(await page.locator("#legend").textContent(), "");
       }
@@ -71,8 +75,10 @@ describe("controls", () => {
   test("the level slider and the error next to it", {timeout: SLOW}, async () => {
     const {results: [result]} = fileOf("ring");
     await page.locator("#level").focus();
+    let last = await picture(page);
     for (const level of [2, 1, 0]) {
-      await changes(page, `level ${level}`, () => page.keyboard.press("ArrowLeft"));
+      const act = () => page.keyboard.press("ArrowLeft");
+      last = await changes(page, `level ${level}`, act, last);
       assert.equal(await state(page, "level"), level);
       const error = result.levels[level].metrics["max-distance"].maximum;
       assert.equal(
@@ -94,16 +100,15 @@ describe("controls", () => {
   test("a cut along each axis, from both sides, and the reset", {timeout: SLOW}, async () => {
     const whole = await picture(page);
     for (const axis of ["x", "y", "z"]) {
-      const below = await changes(page, `cut ${axis}`, () => slide(page, `#cut-${axis}`, 0.4));
+      const cut = () => slide(page, `#cut-${axis}`, 0.4);
+      const below = await changes(page, `cut ${axis}`, cut, whole);
       const text = await page.locator(`output[for="cut-${axis}"]`).textContent();
       // At first, the side that faces the viewer is removed.
       const [first, second] = axis === "y" ? ["≥ ", "≤ "] : ["≤ ", "≥ "];
       assert.ok(text.startsWith(first) && text.endsWith(" mm"), text);
       assert.ok((await page.locator("#legend").textContent()).includes("cut"));
-      const above = await changes(page, `the other side of ${axis}`, () =>
-        page.locator(`#flip-${axis}`).click(),
-      );
-      assert.notEqual(above, below);
+      const flip = () => page.locator(`#flip-${axis}`).click();
+      await changes(page, `the other side of ${axis}`, flip, below);
       assert.ok((await page.locator(`output[for="cut-${axis}"]`).textContent()).startsWith(second));
       await page.locator("#reset").click();
       assert.equal(await picture(page), whole);
@@ -128,12 +133,12 @@ describe("controls", () => {
       await page.mouse.move(x + 80, y + 50, {steps: 4});
       await page.mouse.up({button});
     };
-    await changes(page, "dragging", () => drag("left"));
+    await changes(page, "dragging", () => drag("left"), whole);
     assert.equal(await state(page, "zoom"), 1);
     await page.locator("#reset").click();
     assert.equal(await picture(page), whole, "the whole mesh again");
     const before = await page.evaluate(() => window.isoatlas.project(window.isoatlas.centre));
-    await changes(page, "dragging with the right button", () => drag("right"));
+    await changes(page, "dragging with the right button", () => drag("right"), whole);
     const moved = await page.evaluate(() => window.isoatlas.project(window.isoatlas.centre));
     assert.ok(
       Math.abs(moved[0] - before[0] - 80) < 1 && Math.abs(moved[1] - before[1] - 50) < 1,
@@ -163,6 +168,7 @@ describe("controls", () => {
   test("keyboard", {timeout: SLOW}, async () => {
     const whole = await picture(page);
     await page.locator("#view").focus();
+    let last = whole;
     for (const key of [
       "ArrowLeft",
       "ArrowUp",
@@ -183,7 +189,7 @@ describe("controls", () => {
       "6",
       "w",
     ])
-      await changes(page, key, () => page.keyboard.press(key));
+      last = await changes(page, key, () => page.keyboard.press(key), last);
     assert.match(await page.locator("#status").textContent(), /aspect ratio/);
     await page.keyboard.press("0");
     assert.equal(await picture(page), whole);
@@ -323,7 +329,7 @@ test("touch: one finger rotates, two pan and zoom", {timeout: 2 * SLOW}, async (
 
 test("light and dark: contrast, and the switch", {timeout: 3 * SLOW}, async () => {
   for (const dark of [false, true]) {
-    const {page, trouble, close} = await open(fileOf("ring").path, {dark});
+    const {page, trouble, close} = await open(fileOf("ring").path, {...SMALL, dark});
     await page.locator("details").evaluateAll((all) => all.forEach((one) => (one.open = true)));
     const background = () =>
       page.evaluate(() => getComputedStyle(document.querySelector(".stage")).backgroundColor);
@@ -347,7 +353,7 @@ test("light and dark: contrast, and the switch", {timeout: 3 * SLOW}, async () =
 });
 
 test("every control is reached by Tab, and has a name", {timeout: 2 * SLOW}, async () => {
-  const {page, close} = await open(fileOf("several").path);
+  const {page, close} = await open(fileOf("several").path, SMALL);
   const reached = new Set();
   for (let i = 0; i < 100; ++i) {
     await page.keyboard.press("Tab");
@@ -411,7 +417,7 @@ test("every control is reached by Tab, and has a name", {timeout: 2 * SLOW}, asy
 });
 
 test("with motion allowed, the view moves smoothly to its goal", {timeout: 2 * SLOW}, async () => {
-  const {page, close} = await open(fileOf("ring").path, {motion: true});
+  const {page, close} = await open(fileOf("ring").path, {...SMALL, motion: true});
   const whole = await picture(page);
   await page.locator("#worst").click();
   assert.ok(await page.evaluate(() => window.isoatlas.moving || window.isoatlas.zoom > 1));

@@ -17,6 +17,27 @@ import {
 } from "./browser.mjs";
 import {pages} from "./make_page.mjs";
 
+async function overflowsNowhere(page, width) {
+  const {scroll, client} = await page.evaluate(() => ({
+    scroll: document.documentElement.scrollWidth,
+    client: document.documentElement.clientWidth,
+  }));
+  assert.ok(scroll <= client, `at ${width} pixels nothing overflows: ${scroll} > ${client}`);
+  for (const selector of ["table", "#facts section"]) {
+    const over = await page
+      .locator(selector)
+      .evaluateAll(
+        (all) =>
+          all.filter(
+            (e) =>
+              e.getBoundingClientRect().right > innerWidth + 0.5 ||
+              e.scrollWidth > e.clientWidth + 1,
+          ).length,
+      );
+    assert.equal(over, 0, `at ${width} pixels no ${selector} overflows`);
+  }
+}
+
 describe("every page", () => {
   const names = [
     ...Object.keys(pages).filter((name) => name !== "large"),
@@ -26,7 +47,9 @@ describe("every page", () => {
     test(name, {timeout: 4 * SLOW}, async () => {
       const path =
         name === "ISOATLAS_PAGE" ? resolve(process.env.ISOATLAS_PAGE) : fileOf(name).path;
-      const {page, trouble, close} = await open(path);
+      // A small window, in which pictures are drawn soon.
+      const {page, trouble, close} = await open(path, {width: 360, height: 800});
+      await overflowsNowhere(page, 360);
       const data = await page.evaluate(() =>
         JSON.parse(document.getElementById("isoatlas-data").textContent),
       );
@@ -109,28 +132,9 @@ describe("every page", () => {
       assert.deepEqual(trouble, []);
       await close();
 
-      for (const width of [360, 1440]) {
-        const {page: narrow, close: done} = await open(path, {width, height: 800});
-        const {scroll, client} = await narrow.evaluate(() => ({
-          scroll: document.documentElement.scrollWidth,
-          client: document.documentElement.clientWidth,
-        }));
-        assert.ok(scroll <= client, `at ${width} pixels nothing overflows: ${scroll} > ${client}`);
-        for (const selector of ["table", "#facts section"]) {
-          const over = await narrow
-            .locator(selector)
-            .evaluateAll(
-              (all) =>
-                all.filter(
-                  (e) =>
-                    e.getBoundingClientRect().right > innerWidth + 0.5 ||
-                    e.scrollWidth > e.clientWidth + 1,
-                ).length,
-            );
-          assert.equal(over, 0, `at ${width} pixels no ${selector} overflows`);
-        }
-        await done();
-      }
+      const {page: wide, close: done} = await open(path, {width: 1440, height: 800});
+      await overflowsNowhere(wide, 1440);
+      await done();
     });
   }
 });

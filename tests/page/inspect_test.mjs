@@ -5,6 +5,7 @@ import {test} from "node:test";
 
 import {
   SLOW,
+  SMALL,
   capColour,
   changes,
   choose,
@@ -227,7 +228,7 @@ test("a hidden component stays hidden in other levels", {timeout: 2 * SLOW}, asy
 test("cuts are filled where they are inside", {timeout: 4 * SLOW}, async () => {
   const [solid, cavity, tube, outside] = [[14, 0, 0], [0, 0, 0], [0, 0, 40], [24, 0, 0]];
   for (const name of ["balls", "inverted"]) {
-    const {page, trouble, close} = await open(fileOf(name).path);
+    const {page, trouble, close} = await open(fileOf(name).path, SMALL);
     const cap = await capColour(page);
     const y = (at) => (at + 20) / 40;  // the slider's value for a cut in the box from -20 to 20
     await front(page);
@@ -283,7 +284,7 @@ test("cuts are filled where they are inside", {timeout: 4 * SLOW}, async () => {
 });
 
 test("the sides of a patient, or axes", {timeout: 2 * SLOW}, async () => {
-  const {page, trouble, close} = await open(fileOf("several").path);
+  const {page, trouble, close} = await open(fileOf("several").path, SMALL);
   const toRight = async (direction) => {
     const [[x], [at]] = await page.evaluate(
       (d) => [
@@ -320,7 +321,7 @@ test("the sides of a patient, or axes", {timeout: 2 * SLOW}, async () => {
 });
 
 test("a link restores the view", {timeout: 3 * SLOW}, async () => {
-  const {page, trouble, close} = await open(fileOf("several").path);
+  const {page, trouble, close} = await open(fileOf("several").path, SMALL);
   await slide(page, "#level", 1);
   await choose(page, "style-lines");
   await choose(page, "colouring-aspect");
@@ -337,7 +338,8 @@ test("a link restores the view", {timeout: 3 * SLOW}, async () => {
   const view = await picture(page);
   const hash = await page.evaluate(() => location.hash);
   assert.match(hash, /level=2/);
-  const {page: again, trouble: more, close: done} = await open(fileOf("several").path, {hash});
+  const {page: again, trouble: more, close: done} = await open(
+    fileOf("several").path, {...SMALL, hash});
   await drawn(again);
   assert.equal(await picture(again), view);
   assert.deepEqual(await state(again, "hidden"), [1]);

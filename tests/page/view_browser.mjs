@@ -4,7 +4,7 @@
 import {readFileSync} from "node:fs";
 import {join} from "node:path";
 
-import {browser, SLOW} from "./browser.mjs";
+import {emptyPage, SLOW} from "./browser.mjs";
 import {bundleFolder} from "./modules.mjs";
 
 /** The page, as the tool serves it. */
@@ -17,33 +17,15 @@ export function html() {
 }
 
 /** Opens the page and collects console messages, errors, and requests for other servers. */
-export async function openView(
-  address,
-  {width = 1440, height = 900, dark = false, touch = false, in: from = browser} = {},
-) {
-  const context = await from.newContext({
-    viewport: {width, height},
-    colorScheme: dark ? "dark" : "light",
-    reducedMotion: "reduce",
-    hasTouch: touch,
-    isMobile: touch,
-    acceptDownloads: true,
-  });
-  const page = await context.newPage();
+export async function openView(address, options = {}) {
+  const expects = (url) => [address, "data:", "blob:"].some((start) => url.startsWith(start));
+  const {page, trouble, close} = await emptyPage(expects, options);
   page.setDefaultTimeout(SLOW);
-  const trouble = [];
-  page.on("console", (message) => trouble.push(`${message.type()}: ${message.text()}`));
-  page.on("pageerror", (error) => trouble.push(`error: ${error.message}`));
-  page.on("request", (request) => {
-    const url = request.url();
-    if (!url.startsWith(address) && !url.startsWith("data:") && !url.startsWith("blob:"))
-      trouble.push(`request: ${url.slice(0, 80)}`);
-  });
   if (process.env.ISOATLAS_VIEW_PAGE)
     await page.route(address, (route) => route.fulfill({contentType: "text/html", body: html()}));
   await page.goto(address);
   await page.waitForSelector("html[data-ready]");
-  return {page, trouble, close: () => context.close()};
+  return {page, trouble, close};
 }
 
 /** Waits until the mesh of the options, its components and the slices are shown. */

@@ -17,21 +17,21 @@ const SIZES = [
 
 async function take(name, start, act = async () => undefined) {
   for (const {name: size, ...options} of SIZES) {
-    for (const dark of [false, true]) {
-      const server = await start();
-      const {page, close} = await openView(server.address, {...options, dark});
-      await upToDate(page);
-      await act(page);
-      await page.evaluate(() => scrollTo(0, 0));
-      await page.waitForTimeout(400);  // the list of components follows the mesh
+    const server = await start();
+    const {page, close} = await openView(server.address, options);
+    await upToDate(page);
+    await act(page);
+    await upToDate(page);
+    await page.evaluate(() => scrollTo(0, 0));
+    for (const theme of ["light", "dark"]) {
+      await page.emulateMedia({colorScheme: theme});  // which the page follows
       await drawn(page);
-      const path = (part) =>
-        join(screenshots, `view-${name}-${size}-${dark ? "dark" : "light"}${part}.png`);
+      const path = (part) => join(screenshots, `view-${name}-${size}-${theme}${part}.png`);
       await page.screenshot({path: path("")});
-      if (!dark) await page.screenshot({path: path("-whole"), fullPage: true});
-      await close();
-      await server.stop();
+      if (theme === "light") await page.screenshot({path: path("-whole"), fullPage: true});
     }
+    await close();
+    await server.stop();
   }
 }
 
@@ -44,7 +44,6 @@ test("screenshots for visual inspection", {timeout: 20 * SLOW}, async () => {
     await take("head", real("head_igea_sdf.nrrd"), async (page) => {
       await type(page, "#isovalue", "0");
       await type(page, "#region-z-last", "140");
-      await upToDate(page);
     });
   } else {
     await take("balls", () => serveVolume("two"));

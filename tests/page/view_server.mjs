@@ -105,6 +105,8 @@ function surfaceNet({size, samples}, rule, ends) {
       : rule.inside === "above" ? v >= rule.isovalue : v <= rule.isovalue;
   const strides = [1, size[0], size[0] * size[1]];
   const at = (p) => p[0] + p[1] * strides[1] + p[2] * strides[2];
+  const side = Uint8Array.from(samples, inside);
+  const corners = Array.from({length: 8}, (_, bits) => at([bits & 1, (bits >> 1) & 1, bits >> 2]));
   const vertexOf = new Map();
   const positions = [];
   const triangles = [];
@@ -114,6 +116,8 @@ function surfaceNet({size, samples}, rule, ends) {
         for (let i = ends[0][0]; i <= ends[0][1] - last; ++i) visit([i, j, k]);
   };
   each(1, (cell) => {
+    const start = at(cell);
+    if (corners.every((offset) => side[start + offset] === side[start])) return;
     const sum = [0, 0, 0];
     let crossings = 0;
     for (let axis = 0; axis < 3; ++axis) {
@@ -129,16 +133,15 @@ function surfaceNet({size, samples}, rule, ends) {
         ++crossings;
       }
     }
-    if (crossings === 0) return;
-    vertexOf.set(at(cell), positions.length);
+    vertexOf.set(start, positions.length);
     positions.push(sum.map((v) => v / crossings));
   });
   each(0, (p) => {
     for (let axis = 0; axis < 3; ++axis) {
       if (p[axis] === ends[axis][1]) continue;
       const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-      const a = inside(samples[at(p)]);
-      if (a === inside(samples[at(p) + strides[axis]])) continue;
+      const a = side[at(p)];
+      if (a === side[at(p) + strides[axis]]) continue;
       const corner = (x, y) => vertexOf.get(at(p) - x * strides[u] - y * strides[v]);
       if (p[u] === ends[u][0] || p[v] === ends[v][0]) continue;
       const square = [corner(1, 1), corner(0, 1), corner(0, 0), corner(1, 0)];
@@ -230,6 +233,18 @@ function meshBytes(volume, world, options, reduction) {
     Buffer.from(corners.buffer)]);
 }
 
+/** Volumes with their samples, and what the page gets to know about them, by name. */
+const made = new Map();
+
+function madeVolume(name) {
+  if (!made.has(name)) {
+    const volume = volumes[name]();
+    volume.samples = sampled(volume.size, volume.value);
+    made.set(name, {volume, json: describe(name, volume)});
+  }
+  return made.get(name);
+}
+
 /**
  * Serves a volume.
  * @param faults what goes wrong or is slow; may be changed while it serves:
@@ -247,9 +262,7 @@ function meshBytes(volume, world, options, reduction) {
  *          they were made, and what ends it
  */
 export async function serveVolume(name, faults = {}) {
-  const volume = volumes[name]();
-  volume.samples = sampled(volume.size, volume.value);
-  const json = describe(name, volume);
+  const {volume, json} = madeVolume(name);
   const meshes = new Map();
   const files = new Map();
   const pages = new Set();
@@ -269,9 +282,9 @@ export async function serveVolume(name, faults = {}) {
     pages.clear();
   };
   const sendMesh = (request, options, reduction, final) => {
-    const made =
+    const used =
       reduction > 1 && faults.coarse ? [...options, ["keep-components", "1"]] : options;
-    const bytes = meshBytes(volume, json.index_to_world, made, reduction);
+    const bytes = meshBytes(volume, json.index_to_world, used, reduction);
     if (!bytes) {
       send({type: "failed", request, message: "no sample is inside"});
       return;
