@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import importlib.util
+import json
 import sys
 import types
 
@@ -155,3 +156,16 @@ def test_distances_of_vertices(tmp_path):
         vtk_to_numpy(MESH.to_vtk().GetPointData().GetArray("max_distance")),
         MESH.levels[-1].distance,
     )
+
+
+def test_save_neuroglancer(tmp_path):
+    MESH.save_neuroglancer(tmp_path / "mesh")
+    info = json.loads((tmp_path / "mesh" / "info").read_text())
+    assert info["@type"] == "neuroglancer_multilod_draco"
+    manifest = (tmp_path / "mesh" / "1.index").read_bytes()
+    assert np.frombuffer(manifest, "<u4", 1, 24)[0] == len(MESH.levels)
+    (tmp_path / "image").mkdir()
+    (tmp_path / "image" / "info").write_text('{"type": "image"}')
+    with pytest.raises(isoatlas.BadFileError, match="describes something else"):
+        MESH.save_neuroglancer(tmp_path / "image")
+    assert sorted(p.name for p in (tmp_path / "image").iterdir()) == ["info"]

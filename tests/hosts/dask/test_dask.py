@@ -99,6 +99,15 @@ def test_a_killed_worker_costs_only_its_blocks(samples, mesh, client):
     assert done[-1] == 1.0 and sorted(done) == done
 
 
+@pytest.mark.parametrize("workers", [1, 4])
+def test_any_number_of_workers_gives_the_same_mesh(samples, mesh, workers):
+    with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster:
+        with Client(cluster) as client:
+            lazy = dask.array.from_array(samples, chunks=(12, 14, 16))
+            got = isoatlas.dask.extract(lazy, 20.5, blocks=(12, 14, 16), client=client, **OPTIONS)
+    assert_same(got, mesh)
+
+
 def damaged_arrays(samples, folder):
     """Arrays of each kind with one damaged chunk."""
     stored = zarr.create_array(str(folder / "a.zarr"), shape=samples.shape, chunks=(9, 10, 11),
