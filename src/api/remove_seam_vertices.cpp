@@ -28,26 +28,19 @@ namespace {
 constexpr double kReach = 0.25, kMinReach = 16;
 constexpr double kBoundRounding = 1e-9;
 
-// The constraints on the collapses of a level.
-struct LevelLimits {
-  CollapseLimits collapse;
-  Evidence evidence = Evidence::samples;
-};
-
 // @return absent if the goal has a bound that cannot be tested
-std::optional<LevelLimits> limits_of(const LevelGoal& goal, double voxel) {
-  LevelLimits out;
+std::optional<CollapseLimits> limits_of(const LevelGoal& goal, double voxel) {
+  CollapseLimits out;
   for (const Constraint& c : goal) {
     switch (c.quantity) {
       case Quantity::max_distance:
-        out.collapse.max_distance = (1 - kBoundRounding) * c.bound / voxel;
-        out.evidence = c.is_default ? Evidence::samples : Evidence::proof;
+        out.max_distance = (1 - kBoundRounding) * c.bound / voxel;
         break;
       case Quantity::max_edge:
-        out.collapse.max_edge = c.bound / voxel;
+        out.max_edge = c.bound / voxel;
         break;
       case Quantity::min_aspect:
-        out.collapse.shape = ShapeGoal::of(c.bound);
+        out.shape = ShapeGoal::of(c.bound);
         break;
       case Quantity::min_edge:
         break;
@@ -96,7 +89,7 @@ class SeamPass {
   void simplify_level(std::size_t l) {
     Hierarchy::Level& level = hierarchy_.levels[l];
     std::vector<std::uint32_t>& onto = onto_.emplace_back(level.vertex_count, kNone);
-    const std::optional<LevelLimits> limits = limits_of(goal(l), voxel_);
+    const std::optional<CollapseLimits> limits = limits_of(goal(l), voxel_);
     if (!limits) return;
     const std::span<const Vec3> positions =
         level.own_positions.empty()
@@ -105,12 +98,12 @@ class SeamPass {
     CollapsingMesh mesh(positions, std::move(level.triangles), spacing_);
     IntersectionTracker tracker(OutputPositions(plan_.grid(), options_.space, 1));
     tracker.start(positions, mesh.triangles(), control_);
-    VertexRemoval removal(mesh, tracker, box_, limits->collapse, control_);
+    VertexRemoval removal(mesh, tracker, box_, *limits, control_);
     const std::vector<std::uint32_t> candidates = candidates_of(l, mesh);
     const auto remove = [&](std::span<const std::uint32_t> vertices, NearbyIsosurface* isosurface) {
       for (const Collapse& c : removal.remove(vertices, isosurface)) onto[c.vertex] = c.target;
     };
-    if (std::isinf(limits->collapse.max_distance)) {
+    if (std::isinf(limits->max_distance)) {
       remove(candidates, nullptr);
     } else {
       for (const FaceGroup& group : groups_of(candidates, mesh))
@@ -227,7 +220,7 @@ class SeamPass {
 
   template <class Remove>
   void simplify_near_face(const FaceGroup& group, const CollapsingMesh& mesh,
-                          const LevelLimits& limits, Hierarchy::Level& level, Remove remove) {
+                          const CollapseLimits& limits, Hierarchy::Level& level, Remove remove) {
     const Extent reach = reach_of(group.face);
     std::vector<std::uint32_t> vertices, region;
     Extent extent;
@@ -246,7 +239,7 @@ class SeamPass {
     for (const std::uint32_t t : region) {
       for (const std::uint32_t v : mesh.triangle(t)) extent.include(mesh.positions()[v]);
     }
-    const BlockBox box = samples_around(extent, limits.collapse.max_distance);
+    const BlockBox box = samples_around(extent, limits.max_distance);
     const Volume samples = samples_of_(box);
     const Volume dense = dense_volume(samples);
     VolumeView view = dense.view;
@@ -261,7 +254,7 @@ class SeamPass {
     const Isosurface isosurface(view, parse.rule, surface, Interpolation::trilinear, 1, control_);
     const auto first = [&](std::size_t a) { return static_cast<double>(box.first[a]); };
     NearbyIsosurface nearby(mesh, {{first(0), first(1), first(2)}, surface, isosurface}, region,
-                            limits.collapse.max_distance, limits.evidence, control_);
+                            limits.max_distance, control_);
     remove(vertices, &nearby);
     for (std::uint32_t cell = 0; cell < nearby.cell_count(); ++cell) {
       const NearbyIsosurface::Sample sample = nearby.farthest_c_vertex(cell);

@@ -77,14 +77,13 @@ void for_each_part(const TrilinearCell& field, Vec3 low, Vec3 spacing, Vec3 orig
 
 NearbyIsosurface::NearbyIsosurface(const CollapsingMesh& mesh, const Window& window,
                                    std::span<const std::uint32_t> region, double bound,
-                                   Evidence evidence, const RunControl& control)
+                                   const RunControl& control)
     : mesh_(mesh),
       isosurface_(window.isosurface),
       spacing_(window.isosurface.spacing()),
       origin_(to_metric(window.first, spacing_)),
       region_(region),
       bound_(bound),
-      evidence_(evidence),
       index_(window.complex, window.isosurface.field().last(), &control),
       complex_(window.complex),
       cells_of_(region.size()),
@@ -231,8 +230,8 @@ bool NearbyIsosurface::prove(std::uint32_t cell, std::span<const std::uint32_t> 
 bool NearbyIsosurface::is_near(std::uint32_t triangle) const {
   std::array<Vec3, 3> at = corners(mesh_.triangle(triangle));
   for (Vec3& p : at) p = p - origin_;
-  const TriangleDistance distance = triangle_distance(isosurface_, at, bound_, evidence_);
-  return distance.farthest <= bound_ && distance.upper_bound <= bound_;
+  const TriangleDistance distance = triangle_distance(isosurface_, at, bound_, Evidence::proof);
+  return distance.upper_bound <= bound_;
 }
 
 NearbyIsosurface::Sample NearbyIsosurface::farthest_c_vertex(std::uint32_t cell) const {

@@ -28,8 +28,7 @@ class NearbyIsosurface {
   /// @param bound   on the distance
   /// @cost  O(C + R log R) for C grid cells with a surface and R triangles
   NearbyIsosurface(const CollapsingMesh& mesh, const Window& window,
-                   std::span<const std::uint32_t> region, double bound, Evidence evidence,
-                   const RunControl& control);
+                   std::span<const std::uint32_t> region, double bound, const RunControl& control);
 
   /// Whether the isosurface near a triangle could not be proved to be near the mesh: it must not
   /// change.
@@ -48,8 +47,8 @@ class NearbyIsosurface {
   /// From now on these triangles prove the grid cell.
   void set_proof(std::uint32_t cell, std::vector<std::uint32_t> proof);
 
-  /// Whether a triangle is within the bound of the isosurface: at samples, or at all points with
-  /// Evidence::proof. May be called by several threads.
+  /// Whether all points of a triangle are proved to be within the bound of the isosurface. May be
+  /// called by several threads.
   bool is_near(std::uint32_t triangle) const;
 
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(proof_.size()); }
@@ -72,7 +71,6 @@ class NearbyIsosurface {
   Vec3 spacing_, origin_;  // origin: metric position of the window's first sample
   std::span<const std::uint32_t> region_;
   double bound_;
-  Evidence evidence_;
   GridCellIndex index_;
   const SurfaceComplex& complex_;
   std::vector<GridCellIndex::Key> keys_;              // per grid cell whose proof needs the region

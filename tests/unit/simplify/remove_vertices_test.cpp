@@ -31,7 +31,7 @@ BoxFaces box_of(const Grid& grid) {
 }
 
 // @param bound  infinity: none
-Simplified simplify(const Volume& volume, double bound, Evidence evidence = Evidence::proof) {
+Simplified simplify(const Volume& volume, double bound) {
   ParseOptions parse;
   const SurfaceComplex surface = parse_surface(volume.view, parse);
   const Isosurface isosurface(volume.view, parse.rule, surface);
@@ -50,7 +50,7 @@ Simplified simplify(const Volume& volume, double bound, Evidence evidence = Evid
   std::unique_ptr<NearbyIsosurface> nearby;
   if (!std::isinf(bound))
     nearby = std::make_unique<NearbyIsosurface>(
-        mesh, NearbyIsosurface::Window{{}, surface, isosurface}, region, bound, evidence, control);
+        mesh, NearbyIsosurface::Window{{}, surface, isosurface}, region, bound, control);
   Simplified out;
   out.removed = removal.remove(all, nearby.get()).size();
   std::vector<std::uint32_t> number(fine.positions.size(), kNone);
