@@ -249,7 +249,9 @@ NearbyIsosurface::Sample NearbyIsosurface::farthest_c_vertex(std::uint32_t cell)
       const auto largest = std::max_element(point.weight.begin(), point.weight.end());
       vertex = triangle[static_cast<std::size_t>(largest - point.weight.begin())];
     }
-    if (vertex != kNone && std::sqrt(nearest) > out.distance) out = {std::sqrt(nearest), vertex};
+    // A c-vertex that is farther is not on the isosurface, which is proved to be within the bound.
+    const double distance = std::min(std::sqrt(nearest), bound_);
+    if (vertex != kNone && distance > out.distance) out = {distance, vertex};
   }
   return out;
 }

@@ -89,6 +89,12 @@ TEST(Blocks, RandomVolumes) {
     for (const Extraction* each : {&merged, &simplified})
       ASSERT_EQ(what_is_wrong(*each, whole.report.reference), "")
           << name(family) << " " << seed << ", " << plan.block_count() << " blocks";
+    // Removing vertices violates no bound, and reports no violation that is not there.
+    const double bound = 0.5 * volume.view.grid.smallest_spacing();
+    const auto reached = [](const Extraction& it) {
+      return it.report.levels[1].constraints[0].reached;
+    };
+    EXPECT_LE(reached(simplified), std::max(bound, reached(merged))) << seed;
     seams += merged.report.blocks->seam_edges;
     removed += simplified.report.blocks->removed_vertices;
   }
