@@ -50,7 +50,8 @@ Written by `bench/blocks.py --distances`: levels within the default bound, with 
 largest distance between the mesh and the isosurface, in either direction, is measured by
 `isoatlas check` at 200,000 samples, in voxels. The default bound is tested at the samples of
 refinement and not proved, so measured distances can exceed it between these samples, in blocks as
-in the whole. Bounds that are requested are proved.
+in the whole. Requested bounds are proved if they are satisfied; `distance_at_most`
+of the report states the proof.
 """
 DISTANCES_HEADER = [
     "| isosurface | one block | bound | distance, whole | distance, blocks of 64 |",

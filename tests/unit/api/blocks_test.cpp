@@ -59,7 +59,7 @@ std::string what_is_wrong(const Extraction& merged, const TopologySummary& expec
 }
 
 TEST(Blocks, RandomVolumes) {
-  const std::uint64_t seeds = is_thorough() ? 48 : 8;
+  const std::uint64_t seeds = is_thorough() ? 32 : 8;
   std::size_t seams = 0, removed = 0;
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     Random random(seed);
