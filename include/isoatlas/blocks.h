@@ -75,7 +75,7 @@ ISOATLAS_API BlockMesh mesh_block(const VolumeView& samples, const BlockPlan& pl
                                   std::size_t block, const ExtractOptions& options,
                                   const RunControl& control = {});
 
-/// Reads the samples of a block, for example VolumeReader::box().
+/// Reads a box of samples, of a block or around a shared face; for example VolumeReader::box().
 using SamplesOfBlock = std::function<Volume(const BlockBox&)>;
 
 /// Merges the meshes of all blocks into the mesh of the whole volume, and checks the result: every

@@ -97,24 +97,23 @@ void Link::set(const CollapsingMesh& mesh, std::uint32_t v) {
 
 bool Link::permits(const CollapsingMesh& mesh, std::uint32_t target) {
   // The corners opposite the edge to the target: two, or one if this edge is on the boundary.
-  std::vector<std::uint32_t>& opposite = common_;
-  opposite.clear();
+  opposite_.clear();
   std::size_t left = 0;  // triangles without the target
   for (const Edge& edge : edges_) {
     if (edge.from == target) {
-      opposite.push_back(edge.to);
+      opposite_.push_back(edge.to);
     } else if (edge.to == target) {
-      opposite.push_back(edge.from);
+      opposite_.push_back(edge.from);
     } else {
       ++left;
     }
   }
-  const bool is_along_boundary = opposite.size() == 1;
+  const bool is_along_boundary = opposite_.size() == 1;
   if (left == 0 || mesh.is_on_boundary(v_) != is_along_boundary) return false;
   if (!is_along_boundary && mesh.is_on_boundary(target)) return false;
   // No other common neighbour, and no triangle of these corners on the other side.
   const auto is_opposite = [&](std::uint32_t w) {
-    return w == opposite.front() || w == opposite.back();
+    return w == opposite_.front() || w == opposite_.back();
   };
   const bool ends_in_one = left == 1 && !is_along_boundary;
   return ranges::none_of(mesh.star(target), [&](std::uint32_t t) {

@@ -25,7 +25,7 @@ using ChangedTriangle = std::pair<std::uint32_t, Triangle>;
 /// by half-edge collapses. Triangles keep their ids; one that was removed has three equal corners.
 class CollapsingMesh {
  public:
-  /// @param positions  in sample-index coordinates
+  /// @param positions  in sample-index coordinates; must outlive the mesh
   /// @cost  O(V + T)
   CollapsingMesh(std::span<const Vec3> positions, std::vector<Triangle> triangles, Vec3 spacing);
 
@@ -51,7 +51,7 @@ class CollapsingMesh {
   std::vector<std::uint8_t> is_on_boundary_;
 };
 
-/// The triangles at a vertex, in order.
+/// The link of a vertex: the edges opposite it in its triangles.
 class Link {
  public:
   struct Edge {
@@ -72,7 +72,7 @@ class Link {
  private:
   std::uint32_t v_ = kNone;
   std::vector<Edge> edges_;
-  std::vector<std::uint32_t> vertices_, common_;
+  std::vector<std::uint32_t> vertices_, opposite_;
 };
 
 }  // namespace isoatlas::detail
