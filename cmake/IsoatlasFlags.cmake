@@ -27,7 +27,8 @@ function(isoatlas_allow_unity target)
     UNITY_BUILD ${ISOATLAS_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 0)
 endfunction()
 
-# Of a target that is as fast, measured, at a lower level of optimisation, which compiles sooner.
+# Of a target that is as fast, measured, at a lower level of optimisation, which compiles sooner:
+# with -Og the modules for files and the tool in three quarters of the time that -O1 takes.
 function(isoatlas_optimize_at level target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${level}>)
 endfunction()
