@@ -224,6 +224,17 @@ Nesting CoarseMesher::nesting(std::span<const ComponentId> component_of) const {
                       open_flags(surface_.components()), surface_.control());
 }
 
+// Vertices on shared faces are too close together for well-shaped triangles, so there is no reason
+// to move others away from them and off the surface, where later levels could not correct them.
+bool CoarseMesher::is_next_to_shared_face(std::uint32_t vertex, std::span<const CVertexId> at,
+                                          const SlackRows<std::uint32_t>& triangles_of) const {
+  return ranges::any_of(triangles_of.row(vertex), [&](std::uint32_t t) {
+    return ranges::any_of(mesh_.triangles[t], [&](std::uint32_t corner) {
+      return surface_.complex().on_boundary[at[corner]] == kOnSharedFace;
+    });
+  });
+}
+
 // Moves vertices that are too close to each other for later levels to have well-shaped triangles
 // there, and improves the triangles of this level. Where triangles or surfels intersect afterwards,
 // or a component is inverted, vertices are first moved back half of the way, then completely. Their
@@ -234,15 +245,17 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   const Vec3 s = surface.spacing;
   const std::vector<CVertexId> at = sites();
   const std::vector<ComponentId> component_of = components();
+  const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
   std::vector<Vec3> start;
   std::vector<MoveBounds> bounds;
-  for (const CVertexId v : at) {
-    start.push_back(to_metric(surface.positions[v], s));
-    bounds.push_back(surface_.is_movable(v) ? move_bounds_of(surface.positions[v], s)
-                                            : MoveBounds{start.back(), start.back()});
+  for (std::uint32_t i = 0; i < at.size(); ++i) {
+    const Vec3 position = surface.positions[at[i]];
+    start.push_back(to_metric(position, s));
+    bounds.push_back(surface_.is_movable(at[i]) && !is_next_to_shared_face(i, at, triangles_of)
+                         ? move_bounds_of(position, s)
+                         : MoveBounds{start.back(), start.back()});
   }
   control.check_cancelled();
-  const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
 

@@ -60,6 +60,8 @@ class CoarseMesher {
   std::vector<CVertexId> sites() const;  ///< per vertex, its c-vertex on the surface
   bool is_coarser() const { return !coarser_.representative.empty(); }
   class Dual;
+  bool is_next_to_shared_face(std::uint32_t vertex, std::span<const CVertexId> at,
+                              const SlackRows<std::uint32_t>& triangles_of) const;
   void relax_vertices(const RunControl& control);
   void update_mesh();
   std::vector<ComponentId> components() const;  ///< per vertex

@@ -408,8 +408,10 @@ void Refiner::refine_with_subdivision(const Task& task, IntersectionTracker& tra
 // Proves the bound once all samples satisfy it. Where a proof fails, cells become smaller, a
 // limited number of times per level.
 void Refiner::prove(const Task& task, const std::function<void()>& refine_again) {
+  was_proved_ = false;
   if (!is_provable(task) || !measured_->is_within_bounds()) return;
   for (; proofs_ < kMaxFailedProofs && measured_->prove() > 0; ++proofs_) refine_again();
+  was_proved_ = measured_->is_proved();
 }
 
 // A default bound is not worth the time of a proof.
@@ -603,11 +605,7 @@ void Refiner::finish(const Task& task, const LevelGoal& requested, IntersectionT
   control.report("refine", kShapeShare);
   repair_worst_cells(task, triangles, out, control);
   if (output_positions_) revert_intersecting_changes(task, tracker, triangles, out, control);
-  if (is_provable(task) && measured_->is_within_bounds()) {
-    // balancing moves vertices without testing all triangles around them
-    if (task.placement == Placement::balanced) measured_->clear_proofs();
-    measured_->prove();
-  }
+  prove_changes(task, tracker, triangles, out, control);
   out.figures.distance_at_most =
       is_provable(task) && measured_->is_proved() ? measured_->distance_bound() : std::nullopt;
   measured_->fix_anchors(partition().cell_count());
@@ -677,8 +675,14 @@ void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker&
   }
   improve_shape_without_intersections(*measured_, *task.shape, tracker, triangles, out.shape,
                                       control);
-  // Reverting a change does not undo what balancing has done since, and c-vertices may intersect
-  // without the others of a reverted group.
+  revert_until_embedded(tracker, triangles, out, control);
+}
+
+// Reverting a change does not undo what balancing has done since, and c-vertices may intersect
+// without the others of a reverted group.
+void Refiner::revert_until_embedded(IntersectionTracker& tracker,
+                                    std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                                    const RunControl& control) {
   do {
     if (!revert_intersecting(*measured_, tracker, triangles, control).empty()) {
       revert_all(*measured_, triangles, control);
@@ -687,6 +691,24 @@ void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker&
       triangles.assign(measured_->triangles().begin(), measured_->triangles().end());
     }
   } while (revert_conflicting_moves(*measured_, triangles, control));
+}
+
+// Changes for shape were tested at samples only. If the bound was proved before, they are reverted
+// where it cannot be proved with them.
+void Refiner::prove_changes(const Task& task, IntersectionTracker& tracker,
+                            std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                            const RunControl& control) {
+  for (int k = 0; is_provable(task) && measured_->is_within_bounds(); ++k) {
+    // balancing moves vertices without testing all triangles around them
+    if (task.placement == Placement::balanced) measured_->clear_proofs();
+    if (measured_->prove() == 0 || !was_proved_ || k == kMaxRetries) break;
+    std::vector<CellId> failed;
+    for (CellId c = 0; c < partition().cell_count(); ++c) {
+      if (measured_->errors()[c].excess > 1) failed.push_back(c);
+    }
+    if (!revert_at(*measured_, failed, triangles, control)) break;
+    if (output_positions_) revert_until_embedded(tracker, triangles, out, control);
+  }
 }
 
 // Fills in the figures of the level, for the constraints as requested.

@@ -103,6 +103,11 @@ class Refiner {
   void revert_intersecting_changes(const Task& task, IntersectionTracker& tracker,
                                    std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                    const RunControl& control);
+  void revert_until_embedded(IntersectionTracker& tracker, std::vector<DualTriangle>& triangles,
+                             RefinedLevel& out, const RunControl& control);
+  void prove_changes(const Task& task, IntersectionTracker& tracker,
+                     std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                     const RunControl& control);
   LevelMesh coarse_mesh(const Covering& covering, const RunControl* control) const;
   CustomMaximum custom_maxima() const;
   void describe(const Task& task, const LevelGoal& requested, RefinedLevel& out);
@@ -143,6 +148,7 @@ class Refiner {
   bool is_first_refined_ = true;       // the previous level is the coarse one
   std::uint32_t subdivisions_ = 0;     // of this level, because of bounds
   int proofs_ = 0;                     // number of failed proofs for this level
+  bool was_proved_ = false;            // whether the last proof of this level succeeded
   MeshStatistics statistics_;          // of the last level, as are the metrics below
   std::vector<Triangle> coarse_triangles_;
   std::array<MetricSummary, kMetricCount> metrics_{};

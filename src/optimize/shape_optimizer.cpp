@@ -2,6 +2,7 @@
 #include "optimize/shape_optimizer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <utility>
@@ -381,10 +382,13 @@ class ChangeReverter {
 
   MeshEditor& mesh() { return mesh_; }
 
-  // Reverts flips around these cells, and moves where there are no flips. @return whether anything
-  // was reverted
-  bool revert(std::vector<CellId> cells) {
-    const std::vector<CellError> before = mesh_.measured().errors();
+  // Reverts flips around these cells, and moves where there are no flips, and repeats this around
+  // cells with a larger excess than before or than `permitted`.
+  // @return whether anything was reverted
+  bool revert(std::vector<CellId> cells, double permitted = INFINITY) {
+    std::vector<double> before;
+    for (const CellError& e : mesh_.measured().errors())
+      before.push_back(std::min(e.excess, permitted));
     bool any = false;
     for (int round = 0; !cells.empty(); ++round) {
       report_continuing(control_);
@@ -402,7 +406,7 @@ class ChangeReverter {
       mesh_.measure(affected);
       std::vector<CellId> worse;
       ranges::copy_if(affected, std::back_inserter(worse),
-                      [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
+                      [&](CellId c) { return is_worse(mesh_.excess(c), before[c]); });
       cells = worse.empty()             ? worse
               : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1)
                                         : mesh_.affected_by(worse);
@@ -523,6 +527,12 @@ std::vector<CellId> revert_intersecting(MeasuredCovering& measured, Intersection
 bool revert_conflicting_moves(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,
                               const RunControl& control) {
   return ChangeReverter(measured, triangles, nullptr, control).revert_conflicting();
+}
+
+bool revert_at(MeasuredCovering& measured, std::span<const CellId> cells,
+               std::vector<DualTriangle>& triangles, const RunControl& control) {
+  ChangeReverter changes(measured, triangles, nullptr, control);
+  return changes.revert(changes.mesh().k_ring(cells, 1), 1);
 }
 
 void revert_all(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,

@@ -43,6 +43,11 @@ std::vector<CellId> revert_intersecting(MeasuredCovering& measured, Intersection
 bool revert_conflicting_moves(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,
                               const RunControl& control);
 
+/// Reverts changes around these cells, and where cells violate their bounds because of that, around
+/// those as well. @return whether there were any
+bool revert_at(MeasuredCovering& measured, std::span<const CellId> cells,
+               std::vector<DualTriangle>& triangles, const RunControl& control);
+
 /// Reverts all changes.
 void revert_all(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,
                 const RunControl& control);

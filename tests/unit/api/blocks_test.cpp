@@ -203,6 +203,19 @@ TEST(Blocks, SeamsLeaveNoTrace) {
   }
 }
 
+// Vertices of level 0 next to shared faces must not be moved off the surface, where later levels
+// could not correct them: then there is no proof for these volumes.
+TEST(Blocks, ABoundThatIsProvedForTheWholeIsProvedInBlocks) {
+  ExtractOptions options;
+  options.refine = {within(0.5)};
+  for (const std::uint64_t seed : {0, 3, 8, 9}) {
+    const Volume volume = to_volume(random_samples(Family::white_noise, {9, 9, 9}, seed));
+    ASSERT_TRUE(extract(volume, options).report.levels.back().distance_at_most) << seed;
+    const Extraction blocks = extract_in_blocks(volume, {4, 4, 4}, options);
+    EXPECT_TRUE(blocks.report.levels.back().distance_at_most) << seed;
+  }
+}
+
 TEST(Blocks, TheOrderDoesNotMatter) {
   const BlockPlan plan = example_plan();
   std::vector<BlockMesh> meshes = example(plan, 0);
