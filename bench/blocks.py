@@ -50,9 +50,9 @@ Written by `bench/blocks.py --distances`: levels within the default bound, with 
 largest distance between the mesh and the isosurface, in either direction, is measured by
 `isoatlas check` at 200,000 samples, in voxels. The default bound is tested at the samples of
 refinement and not proved, so measured distances can exceed it between these samples, in blocks as
-in the whole. With a requested bound of half a voxel: the result in the report, which is "proved" if the
-bound is proved for every point, "satisfied" if it holds at all samples, or the largest distance and
-the number of Voronoi cells that cannot become smaller.
+in the whole. With a requested bound of half a voxel: the result in the report, which is "proved" if
+the bound is proved for every point, "satisfied" if it holds at all samples, or the largest distance
+and the number of Voronoi cells that cannot become smaller.
 """
 DISTANCES_HEADER = [
     "| isosurface | one block | default | distance, whole | distance, blocks of 64 "
@@ -121,7 +121,7 @@ def distance_of(mesh, path, iso):
 
 
 def requested_bound(mesh, path, iso, *options):
-    """The result in the report for a requested bound of half a voxel, and whether it is satisfied."""
+    """The result for a requested bound of half a voxel, and whether the bound is satisfied."""
     report = mesh.with_suffix(".json")
     report.unlink(missing_ok=True)
     subprocess.run(
