@@ -36,6 +36,7 @@ PUBLIC = {
     "report.h": "levels",
     "extract.h": "api",
     "blocks.h": "api",
+    "mask_field.h": "mask",
     "block_file.h": "stored",
     "isoatlas.h": "api",
     "text_file.h": "files",

@@ -37,7 +37,8 @@ CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name
 
 /// Adds an option for a point that may be repeated.
 template <class Read>
-void add_points(CLI::App& app, const std::string& name, const std::string& description, Read read) {
+CLI::Option* add_repeated(CLI::App& app, const std::string& name, const char* placeholder,
+                          const std::string& description, Read read) {
   const auto callback = [read, name](const std::vector<std::string>& texts) {
     try {
       for (const std::string& text : texts) read(text);
@@ -45,8 +46,8 @@ void add_points(CLI::App& app, const std::string& name, const std::string& descr
       throw CLI::ValidationError(name, error.what());
     }
   };
-  app.add_option_function<std::vector<std::string>>(name, callback, description)
-      ->type_name("X,Y,Z")
+  return app.add_option_function<std::vector<std::string>>(name, callback, description)
+      ->type_name(placeholder)
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -251,19 +252,31 @@ Side of the isovalue on which NaN samples are: below or above. Infinite samples 
 their sign. Default: volumes with NaN or infinite samples are refused.
 )", [&](const std::string& text) { set(arguments, "nan", text); });
 
-  add_value(*command, kSurface, "--iso", "X", R"(
+  CLI::Option* iso = add_value(*command, kSurface, "--iso", "X", R"(
 The isovalue. `isoatlas info` suggests values. For integer samples, use a value between two
 integers, like 80.5, so that no sample equals it.
 )", [&](const std::string& text) { set(arguments, "iso", text); })->required();
+  CLI::Option* label = add_repeated(*command, "--label", "N", R"(
+For a segmentation, in place of --iso: mesh the samples with this label. May be repeated; the
+labels are then meshed as one part. The surface is the isosurface at 0 of a smooth field in which
+every sample keeps its side, with the components, tunnels and cavities of the segmentation, where
+samples that touch at an edge are connected. --topology is faces.
+)", [&arguments, iso](const std::string& text) {
+    const auto number = parse_whole<std::int64_t>(text);
+    if (!number) refuse_value("the whole number of a label", text);
+    arguments.labels.push_back(*number);
+    iso->required(false);
+  });
+  label->trigger_on_parse()->excludes(iso);
   add_value(*command, kSurface, "--inside", "SIDE", R"(
 Side of the isovalue that is inside: above or below. Triangles face outwards. A sample equal to the
 isovalue is inside in both cases. Default: above.
-)", [&](const std::string& text) { set(arguments, "inside", text); });
+)", [&](const std::string& text) { set(arguments, "inside", text); })->excludes(label);
   add_value(*command, kSurface, "--topology", "NAME", R"(
 Topology of the surface inside a grid cell. trilinear: that of the trilinear interpolant, where a
 tunnel can join two closed loops on the faces of the cell. faces: one disk for each closed loop.
 Default: trilinear.
-)", [&](const std::string& text) { set(arguments, "topology", text); });
+)", [&](const std::string& text) { set(arguments, "topology", text); })->excludes(label);
   add_value(*command, kSurface, "--interpolation", "NAME", R"(
 Interpolation between samples: trilinear or tricubic (smooth). Affects vertex positions and
 distances. Affects the topology only together with --supersample. Default: trilinear.
@@ -289,12 +302,12 @@ Keep only the N largest components. If the volume boundary cuts a part into seve
 of them are kept. Default: keep all.
 )", [&](const std::string& text) { set(arguments, "keep-components", text); });
 
-  add_points(*command, "--keep-near", R"(
+  add_repeated(*command, "--keep-near", "X,Y,Z", R"(
 Keep only the component that is nearest to this point, in the coordinates of the mesh. May be
 repeated. If the volume boundary cuts a part into several components, all of them are kept. Default:
 keep all.
 )", [&](const std::string& text) { set(arguments, "keep-near", text); });
-  add_points(*command, "--drop-near", R"(
+  add_repeated(*command, "--drop-near", "X,Y,Z", R"(
 Drop the component that is nearest to this point. May be repeated. Default: drop none.
 )", [&](const std::string& text) { set(arguments, "drop-near", text); });
 

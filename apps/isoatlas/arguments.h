@@ -38,8 +38,8 @@ struct ExtractArguments : ExtractSettings {
   bool strict = false;         ///< write nothing if the exit status would be kUnsatisfied
   std::string command;         ///< the whole command line, quoted for a shell
   bool quiet = false, verbose = false;
-  /// Mesh the samples with this value of a label map, instead of an isosurface.
-  std::optional<std::int64_t> label;
+  /// Mesh the samples with one of these values of a label map, instead of an isosurface.
+  std::vector<std::int64_t> labels;
   /// Write numbers about the finest level to this file, for 3D Slicer.
   std::optional<std::filesystem::path> returned_values;
   // Blocks: present if the volume is meshed in blocks.

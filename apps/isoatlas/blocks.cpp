@@ -102,7 +102,13 @@ std::string blocks_text(const std::vector<std::size_t>& blocks) {
   return text;
 }
 
+void require_no_labels(const ExtractArguments& arguments) {
+  if (!arguments.labels.empty())
+    throw Error(ErrorCode::unsupported, "--label needs the whole volume in memory, not blocks");
+}
+
 int run_blocks_plan(const ExtractArguments& arguments, const std::vector<std::string>& words) {
+  require_no_labels(arguments);
   const VolumeReader volume = open_volume_input(arguments.volume.path, arguments.volume.read);
   const BlockPlan plan(volume.grid(), block_size_of(arguments, volume));
   const BlockParts parts(*arguments.parts, plan);

@@ -10,6 +10,9 @@
 
 namespace isoatlas::detail::tool {
 
+/// A mask field needs all samples. @throws Error(unsupported) if there are labels
+void require_no_labels(const ExtractArguments& arguments);
+
 /// The size of the blocks that the arguments request, in grid cells.
 Size3 block_size_of(const ExtractArguments& arguments, const VolumeReader& volume);
 

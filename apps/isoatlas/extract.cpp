@@ -18,7 +18,7 @@
 #include "isoatlas/blocks.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
-#include "label_mask.h"
+#include "isoatlas/mask_field.h"
 #include "outputs/stated_rounding.h"
 #include "page/page.h"
 #include "progress_bar.h"
@@ -79,6 +79,7 @@ Extraction extract_blocks(const ExtractArguments& arguments, const VolumeReader&
 VolumeFile read_input(const ExtractArguments& arguments, std::optional<VolumeReader>& reader) {
   if (!arguments.is_in_blocks())
     return read_volume_input(arguments.volume.path, arguments.volume.read);
+  require_no_labels(arguments);
   reader.emplace(open_volume_input(arguments.volume.path, arguments.volume.read));
   VolumeFile file{{}, reader->source()};
   const Size3& size = reader->grid().size;
@@ -112,16 +113,19 @@ ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& g
   }
 }
 
-/// Replaces the volume by the mask of arguments.label, and the isovalue by that of the mask's
-/// surface.
-void mesh_label(const ExtractArguments& arguments, Volume& volume, ExtractOptions& options) {
+/// Replaces the volume by a smooth field around the samples with one of arguments.labels, and the
+/// surface by that of the field.
+void mesh_labels(const ExtractArguments& arguments, Volume& volume, ExtractOptions& options,
+                 const RunControl& control) {
   try {
-    volume = label_mask(volume, *arguments.label);
+    volume = mask_field(mask_of_labels(volume, arguments.labels), {}, control);
   } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
     throw error.with_prefix(volume_name(arguments.volume.path) + ": ");
   }
-  options.surface.isovalue = 0.5;
+  options.surface.isovalue = 0;
   options.surface.inside = Inside::above;
+  options.surface.topology = Topology::faces;
 }
 
 /// Data that was already sent to standard output cannot be withdrawn.
@@ -171,7 +175,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
   if (arguments.report || arguments.page)
     context.volume.sample_digest = reader ? reader->digest() : sample_digest(volume);
   context.options = options_in_world(arguments, volume.view.grid);
-  if (arguments.label) mesh_label(arguments, volume, context.options);
+  if (!arguments.labels.empty()) mesh_labels(arguments, volume, context.options, control);
   const ExtractOptions& options = context.options;
 
   Extraction extraction =

@@ -43,6 +43,7 @@ constexpr Synonyms kCommands[] = {
 constexpr Synonyms kOptions[] = {
     {"--iso",
      "threshold thresh isovalue iso-value isolevel iso-level level value contour isosurface"},
+    {"--label", "labels segment segments segmentation mask organ class roi-label"},
     {"the input file is given without an option, the isovalue with --iso", "i"},
     {"--output",
      "out output-file outfile out-file output-mesh outmesh save save-as export dest destination "

@@ -182,6 +182,10 @@ std::string find_missing_word(const CLI::App&, const CLI::App& command, const Co
     return positional->get_name(true) + " is empty: is a shell variable not set?";
   for (const CLI::Option* option : command.get_options()) {
     if (option == positional || !option->get_required() || is_given(words, option)) continue;
+    if (std::ranges::any_of(option->get_excludes(), [&](const CLI::Option* replacing) {
+          return is_given(words, replacing);
+        }))
+      continue;
     const std::string name = option->get_single_name();
     const bool has_letter = !option->get_snames().empty();
     return (has_letter ? "-" + option->get_snames().front() + " (--" + name + ")" : "--" + name) +

@@ -166,7 +166,7 @@ ExtractArguments arguments_of(const ModuleWords& words) {
     const auto label = parse_whole<std::int64_t>(words.values.at("label"));
     if (!label)
       refuse_call("--label: expected a whole number, got '" + words.values.at("label") + "'");
-    if (*label != 0) arguments.label = *label;
+    if (*label != 0) arguments.labels = {*label};
   }
   if (words.has("levelFolder") && !words.values.at("levelFolder").empty())
     arguments.level_files =

@@ -11,6 +11,7 @@
 #include "isoatlas/field.h"
 #include "isoatlas/hierarchy.h"
 #include "isoatlas/length_unit.h"
+#include "isoatlas/mask_field.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/normals.h"

@@ -200,9 +200,9 @@ READING = ("--channel --time --layer --array --series --spacing --roi --max-memo
 
 class Help(ToolTest):
     OPTIONS = {
-        "extract": "--iso -o --output --format --report --inside --topology --coarse --max-radius "
-        "--covering --event-persistence --threads --nan --space -q --quiet -v --verbose "
-        "-h --help " + READING + "--levels --refine --max-distance --mean-distance "
+        "extract": "--iso --label -o --output --format --report --inside --topology --coarse "
+        "--max-radius --covering --event-persistence --threads --nan --space -q --quiet -v "
+        "--verbose -h --help " + READING + "--levels --refine --max-distance --mean-distance "
         "--area-curvature --area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
         "--min-vertices --min-edge --max-edge --min-aspect --border --placement --glb-per-level "
         "--measure --measure-samples --min-component-size --keep-components "
@@ -467,6 +467,48 @@ class Blocks(ToolTest):
         self.refuse("there is no command 'blocks'", "blocks")
         self.refuse("--parts is missing", "blocks", "plan", "sphere.nrrd", "--iso", "0", "-o",
                     "a.ply")
+
+
+class Labels(ToolTest):
+    """Segmentations: --label in place of --iso."""
+
+    def setUp(self):
+        super().setUp()
+        n, centre = 20, 9.3
+        labels = []
+        for z in range(n):
+            for y in range(n):
+                for x in range(n):
+                    distance = math.dist((x, y, z), (centre, centre, centre))
+                    labels.append(0 if distance > 7 else 2 if x < 9 else 5)
+        self.put("labels.nrrd", nrrd(bytes(labels), (n, n, n), "unsigned char"))
+
+    def volume_of(self, *labels):
+        wanted = [word for label in labels for word in ("--label", str(label))]
+        self.succeed("extract", "labels.nrrd", *wanted, "--max-distance", "0.2vx", "-o", "m.ply",
+                     "--report", "m.json")
+        report = json.loads((self.folder / "m.json").read_text())
+        self.assertEqual(report["reference"]["components"], 1)
+        return report["levels"][-1]["extent"]["volume"]
+
+    def test_labels_are_smooth_and_their_union_is_one_part(self):
+        ball = 4 / 3 * math.pi * 7**3
+        self.assertAlmostEqual(self.volume_of(2, 5) / ball, 1, delta=0.08)
+        halves = self.volume_of(2) + self.volume_of(5)
+        self.assertLess(halves, ball)
+
+    def test_what_does_not_go_together(self):
+        for words, expected in [
+            (["--iso", "3", "--label", "2"], "--iso excludes --label"),
+            (["--label", "2", "--inside", "below"], "--label excludes --inside"),
+            (["--label", "2", "--topology", "trilinear"], "--label excludes --topology"),
+            (["--label", "2.5"], "--label: expected the whole number of a label, got '2.5'"),
+            (["--label", "3"], "no sample has the label 3; the labels are 0, 2, 5"),
+            (["--label", "2", "--block-size", "8"],
+             "--label needs the whole volume in memory, not blocks"),
+            ([], "--iso is missing"),
+        ]:
+            self.refuse(re.escape(expected), "extract", "labels.nrrd", *words, "-o", "m.ply")
 
 
 class Units(ToolTest):
