@@ -21,7 +21,7 @@ namespace isoatlas {
 using namespace detail;
 namespace {
 
-constexpr std::size_t kPerChunk = 1 << 16;
+constexpr std::size_t kSamplesOfMaskSamplesOfMaskPerChunk = 1 << 16;
 
 Volume volume_of(const Grid& grid, std::shared_ptr<std::vector<float>> samples) {
   Volume out;
@@ -42,12 +42,13 @@ Volume mask_field(const VolumeView& mask, const MaskFieldOptions& options,
   std::vector<std::uint8_t> inside(grid.sample_count());
   const Volume dense = dense_volume(mask);
   visit_samples(dense.view, [&]<class T>(std::span<const T> samples) {
-    for_each_index(inside.size(), kPerChunk, &control, [&](std::size_t i) {
-      if constexpr (std::is_floating_point_v<T>)
-        inside[i] = samples[i] != 0 && !std::isnan(samples[i]);
-      else
-        inside[i] = samples[i] != 0;
-    });
+    for_each_index(inside.size(), kSamplesOfMaskSamplesOfMaskPerChunk, &control,
+                   [&](std::size_t i) {
+                     if constexpr (std::is_floating_point_v<T>)
+                       inside[i] = samples[i] != 0 && !std::isnan(samples[i]);
+                     else
+                       inside[i] = samples[i] != 0;
+                   });
   });
   control.report("mask", 0);
   const Band band = make_band(grid, inside, control);
@@ -59,7 +60,7 @@ Volume mask_field(const VolumeView& mask, const MaskFieldOptions& options,
   float farthest = 0;
   for (const float f : near) farthest = std::max(farthest, std::abs(f));
   auto field = std::make_shared<std::vector<float>>(inside.size());
-  for_each_index(inside.size(), kPerChunk, &control,
+  for_each_index(inside.size(), kSamplesOfMaskSamplesOfMaskPerChunk, &control,
                  [&](std::size_t i) { (*field)[i] = inside[i] != 0 ? farthest : -farthest; });
   for (std::size_t i = 0; i < band.size(); ++i) (*field)[band.sample[i]] = near[i];
   return volume_of(grid, std::move(field));

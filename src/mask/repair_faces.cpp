@@ -10,7 +10,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kPerChunk = 1 << 14;
+constexpr std::size_t kCornersPerChunk = 1 << 14;
 // Factor over equality, so that rounding cannot turn the decision.
 constexpr double kOver = 1.0001;
 
@@ -22,7 +22,7 @@ struct AmbiguousFace {
 std::vector<AmbiguousFace> find_ambiguous_faces(const Band& band, bool joins_inside,
                                                 const RunControl& control) {
   return collect_chunks<AmbiguousFace>(
-      band.size(), kPerChunk, [&](std::size_t begin, std::size_t end, auto& found) {
+      band.size(), kCornersPerChunk, [&](std::size_t begin, std::size_t end, auto& found) {
         control.check_cancelled();
         for (std::size_t i = begin; i < end; ++i) {
           for (std::size_t a = 0; a < 2; ++a) {

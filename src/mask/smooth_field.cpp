@@ -12,7 +12,7 @@ namespace {
 
 // More steps bring no closer surface: the energy is within a few per mille of its minimum.
 constexpr int kSteps = 40, kStepsForThickSlices = 100;
-constexpr std::size_t kPerChunk = 1 << 14;
+constexpr std::size_t kBandSamplesPerChunk = 1 << 14;
 
 class FieldSolver {
  public:
@@ -46,7 +46,7 @@ class FieldSolver {
       const double following = restart ? 1 : (1 + std::sqrt(1 + 4 * momentum * momentum)) / 2;
       const float share = restart ? 0.0f : static_cast<float>((momentum - 1) / following);
       momentum = following;
-      for_each_index(n, kPerChunk, &control_, [&](std::size_t i) {
+      for_each_index(n, kBandSamplesPerChunk, &control_, [&](std::size_t i) {
         ahead_[i] = next_[i] + share * (next_[i] - field_[i]);
         field_[i] = next_[i];
       });
@@ -57,7 +57,7 @@ class FieldSolver {
  private:
   // The sum of second differences of `ahead_`.
   void find_differences() {
-    for_each_index(band_.size(), kPerChunk, &control_, [&](std::size_t i) {
+    for_each_index(band_.size(), kBandSamplesPerChunk, &control_, [&](std::size_t i) {
       float sum = 0;
       for (std::size_t a = 0; a < 3; ++a) {
         if ((band_.axes[i] >> a & 1) == 0) continue;
@@ -72,7 +72,7 @@ class FieldSolver {
   // The gradient is the transposed sum of second differences of `difference_`.
   void take_step() {
     find_differences();
-    for_each_index(band_.size(), kPerChunk, &control_, [&](std::size_t i) {
+    for_each_index(band_.size(), kBandSamplesPerChunk, &control_, [&](std::size_t i) {
       if (band_.is_fixed(i)) {
         next_[i] = field_[i];
         return;
@@ -94,11 +94,11 @@ class FieldSolver {
 
   // > 0 if momentum carries the field beyond the minimum. Summed in a fixed order.
   double overshoot() {
-    std::vector<double> sums((band_.size() + kPerChunk - 1) / kPerChunk, 0);
+    std::vector<double> sums((band_.size() + kBandSamplesPerChunk - 1) / kBandSamplesPerChunk, 0);
     for_each_index(sums.size(), 1, [&](std::size_t chunk) {
-      const std::size_t end = std::min(band_.size(), (chunk + 1) * kPerChunk);
+      const std::size_t end = std::min(band_.size(), (chunk + 1) * kBandSamplesPerChunk);
       double sum = 0;
-      for (std::size_t i = chunk * kPerChunk; i < end; ++i)
+      for (std::size_t i = chunk * kBandSamplesPerChunk; i < end; ++i)
         sum +=
             static_cast<double>(ahead_[i] - next_[i]) * static_cast<double>(next_[i] - field_[i]);
       sums[chunk] = sum;
