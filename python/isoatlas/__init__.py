@@ -6,9 +6,10 @@
     >>> mesh = isoatlas.extract(volume, 300.5, max_distance=0.4)
     >>> mesh.save("bone.ply")
 
-`extract` meshes an array or a `Volume`, `read` reads volumes and meshes, `check` validates any
-triangle mesh, and `marching_cubes` replaces the function of scikit-image. ``mesh.show()`` shows a
-mesh in 3-D. `isoatlas.examples` has volumes to try. See docs/python.md.
+`extract` meshes an array or a `Volume`, or a label of a segmentation, `read` reads volumes and
+meshes, `check` validates any triangle mesh, and `marching_cubes` replaces the function of
+scikit-image. ``mesh.show()`` shows a mesh in 3-D. `isoatlas.examples` has volumes to try. See
+docs/python.md.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ._check import check
 from ._core import VolumeSource, __version__
 from ._extract import extract
 from ._marching_cubes import marching_cubes
+from ._mask import mask_field
 from ._mesh import Component, Level, Mesh
 from ._read import read, read_mesh, read_volume
 from ._volume import XYZ, Volume
@@ -54,6 +56,7 @@ __all__ = [
     "examples",
     "extract",
     "marching_cubes",
+    "mask_field",
     "read",
     "read_mesh",
     "read_volume",

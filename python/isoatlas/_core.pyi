@@ -97,6 +97,13 @@ class BlockedArray:
 def extract(
     volume: ArrayVolume, words: ExtractWords, progress: Callable[[str, float], Any] | None
 ) -> Levels: ...
+def mask_field(
+    labels: ArrayVolume,
+    wanted: Sequence[int],
+    connectivity: str,
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> npt.NDArray[np.float32]: ...
 def length_unit(name: str) -> str: ...
 def read_volume(
     path: _Path, options: _Words

@@ -6,19 +6,22 @@ from typing import Any, Literal, Sequence
 import numpy.typing as npt
 
 from . import _core
+from ._mask import mask_field
 from ._mesh import Mesh
 from ._progress import ProgressLike, progress_callback
 from ._volume import Order, Volume, core_volume, states_order
 from ._words import Length, Number, Refine, isovalue, points, words
 from ._words import levels as level_words
+from .errors import BadArgumentError
 
 Side = Literal["above", "below"]
 
 
 def extract(
     volume: npt.ArrayLike | Volume,
-    iso: Number,
+    iso: Number | None = None,
     *,
+    label: int | Sequence[int] | None = None,
     spacing: Sequence[float] = (1.0, 1.0, 1.0),
     origin: Sequence[float] = (0.0, 0.0, 0.0),
     direction: npt.ArrayLike | None = None,
@@ -77,8 +80,12 @@ def extract(
         C or Fortran order and their transposed views are not copied. Other strides, other byte
         orders and float16 are copied once. A `Volume` has its own spacing, origin and direction,
         and its order is ``"xyz"``.
-    iso : float
+    iso : float, optional
         The isovalue. For integer samples choose a value between two integers, such as 80.5.
+        Required without ``label``.
+    label : int or sequence of int, optional
+        For a segmentation, in place of ``iso``: mesh the samples with this label, or with one of
+        these. The surface is the isosurface at 0 of `mask_field`, with ``topology="faces"``.
     spacing : 3 floats
         Distance between samples along each axis, above 0.
     origin : 3 floats
@@ -213,6 +220,19 @@ def extract(
     in the order in which they lie in memory. The same values in C and in Fortran order therefore
     give meshes with the same topology but with other vertices.
     """
+    if (iso is None) == (label is None):
+        raise BadArgumentError("iso: expected an isovalue, or the label of a segmentation")
+    if label is not None:
+        for name, value, default in (
+            ("inside", inside, "above"),
+            ("nan", nan, None),
+            ("topology", topology, "trilinear"),
+        ):
+            if value != default:
+                raise BadArgumentError(f"{name}: not for a label, got {value!r}")
+        volume = mask_field(volume, label, spacing=spacing, order=order, threads=threads)
+        iso, topology = 0, "faces"
+    assert iso is not None
     core = core_volume(volume, spacing, origin, direction, order)
     if measure and measure_samples is None:
         measure_samples = 200_000

@@ -20,6 +20,7 @@
 #include "isoatlas/io.h"
 #include "isoatlas/version.h"
 #include "levels.h"
+#include "mask.h"
 #include "stored.h"
 #include "wording/settings.h"
 
@@ -235,6 +236,8 @@ PYBIND11_MODULE(_core, module) {
       .def("merge", &BlockedArray::merge, "meshes"_a, "samples"_a, "progress"_a);
 
   module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
+  module.def("mask_field", &mask_field_of, "labels"_a, "wanted"_a, "connectivity"_a, "threads"_a,
+             "progress"_a);
   module.def(
       "length_unit",
       [](const std::string& name) { return std::string(symbol(length_unit_named(name))); },

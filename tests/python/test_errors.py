@@ -128,7 +128,7 @@ def test_isovalues(tool, tmp_path):
         error = error_of(lambda: isoatlas.extract(torus(), float(iso)))
         assert "--" + str(error) == line_of(tool, PROTEIN, "--iso", iso, "-o", tmp_path / "m.ply")
     with pytest.raises(TypeError):
-        isoatlas.extract(torus(), None)
+        isoatlas.extract(torus(), [1])
     error = error_of(lambda: isoatlas.extract(isoatlas.read(PROTEIN), 300))
     assert isinstance(error, isoatlas.EmptySurfaceError)
     line = line_of(tool, PROTEIN, "--iso", "300", "-o", tmp_path / "m.ply")

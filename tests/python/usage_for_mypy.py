@@ -70,7 +70,7 @@ def use(array: npt.NDArray[np.int16], folder: Path) -> float:
 
 def misuse(array: npt.NDArray[np.int16]) -> None:
     isoatlas.extract(array, 3, inside="up")  # type: ignore[arg-type]
-    isoatlas.extract(array)  # type: ignore[call-arg]
+    isoatlas.extract()  # type: ignore[call-arg]
     isoatlas.extract(array, 3, max_dist=2)  # type: ignore[call-arg]
     isoatlas.extract(array, 3).faces = 1  # type: ignore
     isoatlas.extract(array, 3).volume()  # type: ignore[operator]
