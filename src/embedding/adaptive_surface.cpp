@@ -14,7 +14,7 @@
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "embedding/grid_cell.h"
-#include "geometry/triangle_pair.h"
+#include "embedding/separate_pieces.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -305,63 +305,41 @@ void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted,
     flatten_intersecting_pieces(subdivision, before);
 }
 
-// Moves new points in grid cells with intersecting pieces to the midpoints of their sides. The
-// pieces are then parts of the flat triangles that were subdivided, and intersect only where these
-// triangles do.
+// Moves new points in grid cells with intersecting pieces towards the midpoints of their sides. At
+// these midpoints pieces are parts of the flat triangles that were subdivided, and intersect only
+// where these triangles do.
 void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision,
                                                   CVertexId first_new) {
-  const auto is_midpoint = [&](CVertexId v) {
+  std::vector<FreePoint> free;
+  for (CVertexId v = first_new; v < complex_.c_vertex_count(); ++v) {
+    const auto [a, b] = subdivision.between[v - first_new];
+    if (a != kNone) free.push_back({v, 0.5 * (complex_.positions[a] + complex_.positions[b])});
+  }
+  const auto is_free = [&](CVertexId v) {
     return v >= first_new && subdivision.between[v - first_new][0] != kNone;
   };
-  std::vector<std::pair<GridCell, Triangle>> pieces;  // of the grid cells with such points
   CancelPoll poll(control_);
-  const auto has_midpoint = [&](const Face& face) {
-    return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_midpoint);
-  };
   std::vector<GridCell> grid_cells;
   for (const Face& face : complex_.faces) {
     poll.step();
-    if (!face.is_triangle() || !has_midpoint(face)) continue;
+    if (!face.is_triangle() || !std::any_of(face.corner.begin(), face.corner.begin() + 3, is_free))
+      continue;
     grid_cells.push_back(grid_cell_of_face(complex_, face));
   }
   ranges::sort_unique(grid_cells);
   grid_cells_with_small_pieces_.insert(grid_cells_with_small_pieces_.end(), grid_cells.begin(),
                                        grid_cells.end());
   ranges::sort_unique(grid_cells_with_small_pieces_);
+  std::vector<Piece> pieces;
   for (const Face& face : complex_.faces) {
     poll.step();
     if (!face.is_triangle()) continue;
     const GridCell grid_cell = grid_cell_of_face(complex_, face);
     if (!std::binary_search(grid_cells.begin(), grid_cells.end(), grid_cell)) continue;
-    pieces.emplace_back(grid_cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
+    pieces.push_back({grid_cell, {face.corner[0], face.corner[1], face.corner[2]}});
   }
   control_.check_cancelled();
-  std::stable_sort(pieces.begin(), pieces.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (bool again = true; again;) {  // repeats, because a point on a wall is in two grid cells
-    again = false;
-    for (std::size_t from = 0, to; from < pieces.size(); from = to) {
-      to = from;
-      poll.step();
-      while (to < pieces.size() && pieces[to].first == pieces[from].first) ++to;
-      bool intersect = false;
-      for (std::size_t i = from; i < to && !intersect; ++i) {
-        for (std::size_t j = i + 1; j < to && !intersect; ++j)
-          intersect = intersect_beyond_shared_simplex(complex_.positions, pieces[i].second,
-                                                      pieces[j].second);
-      }
-      if (!intersect) continue;
-      for (std::size_t i = from; i < to; ++i) {
-        for (const CVertexId v : pieces[i].second) {
-          if (!is_midpoint(v)) continue;
-          const auto [a, b] = subdivision.between[v - first_new];
-          const Vec3 flat = 0.5 * (complex_.positions[a] + complex_.positions[b]);
-          again = again || !(complex_.positions[v] == flat);
-          complex_.positions[v] = flat;
-        }
-      }
-    }
-  }
+  separate_pieces(free, std::move(pieces), complex_.positions, control_);
 }
 
 }  // namespace isoatlas::detail

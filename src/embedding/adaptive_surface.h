@@ -53,7 +53,7 @@ class AdaptiveSurface {
   }
 
   /// See the function of this name in subdivide.h. Everything that was derived from the complex
-  /// must be rebuilt. Where smaller pieces would intersect in a grid cell, they stay flat.
+  /// must be rebuilt. Where smaller pieces would intersect in a grid cell, they are flatter.
   /// C-vertices there that are very close to the walls of their grid cells are moved away from them
   /// a little, for well-shaped triangles.
   /// @param fixed  c-vertices that are not moved. O(F)
