@@ -268,6 +268,22 @@ samples that touch at an edge are connected. --topology is faces.
     iso->required(false);
   });
   label->trigger_on_parse()->excludes(iso);
+  add_value(*command, kSurface, "--connectivity", "N", R"(
+Which samples with the labels are connected: 18, across faces and edges; 6, across faces only; or
+field, as the smooth field happens to be between them. Default: 18.
+)", [&arguments](const std::string& text) {
+    if (text == "18") arguments.mask.connectivity = MaskConnectivity::inside_18;
+    else if (text == "6") arguments.mask.connectivity = MaskConnectivity::inside_6;
+    else if (text == "field") arguments.mask.connectivity = MaskConnectivity::field;
+    else refuse_value("one of 18, 6, field", text);
+  })->needs(label);
+  add_value(*command, kSurface, "--save-field", "FILE", R"(
+Also write the smooth field of the labels, as .nrrd. `isoatlas check --volume FILE --iso 0
+--topology faces` compares meshes with it.
+)", [&arguments](const std::string& text) {
+    if (!text.ends_with(".nrrd")) refuse_value("a name that ends in .nrrd", text);
+    arguments.field = text;
+  })->needs(label);
   add_value(*command, kSurface, "--inside", "SIDE", R"(
 Side of the isovalue that is inside: above or below. Triangles face outwards. A sample equal to the
 isovalue is inside in both cases. Default: above.

@@ -13,6 +13,7 @@
 #include "block_parts.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
+#include "isoatlas/mask_field.h"
 #include "isoatlas/measure.h"
 #include "picture/picture.h"
 #include "wording/settings.h"
@@ -40,6 +41,8 @@ struct ExtractArguments : ExtractSettings {
   bool quiet = false, verbose = false;
   /// Mesh the samples with one of these values of a label map, instead of an isosurface.
   std::vector<std::int64_t> labels;
+  MaskFieldOptions mask;                       ///< of the labels' field
+  std::optional<std::filesystem::path> field;  ///< write the labels' field to this .nrrd
   /// Write numbers about the finest level to this file, for 3D Slicer.
   std::optional<std::filesystem::path> returned_values;
   // Blocks: present if the volume is meshed in blocks.

@@ -118,7 +118,7 @@ ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& g
 void mesh_labels(const ExtractArguments& arguments, Volume& volume, ExtractOptions& options,
                  const RunControl& control) {
   try {
-    volume = mask_field(mask_of_labels(volume, arguments.labels), {}, control);
+    volume = mask_field(mask_of_labels(volume, arguments.labels), arguments.mask, control);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw error.with_prefix(volume_name(arguments.volume.path) + ": ");
@@ -175,7 +175,12 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
   if (arguments.report || arguments.page)
     context.volume.sample_digest = reader ? reader->digest() : sample_digest(volume);
   context.options = options_in_world(arguments, volume.view.grid);
-  if (!arguments.labels.empty()) mesh_labels(arguments, volume, context.options, control);
+  if (!arguments.labels.empty()) {
+    progress.show("mask", std::nullopt);
+    RunControl quiet = control;
+    quiet.progress = nullptr;
+    mesh_labels(arguments, volume, context.options, quiet);
+  }
   const ExtractOptions& options = context.options;
 
   Extraction extraction =
@@ -190,6 +195,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption,
         marching_cubes_quality(volume, options.surface.isovalue,
                                to_index(std::move(kept), volume.view.grid, options.space));
   }
+  if (arguments.field) outputs.write_volume(*arguments.field, volume);
   volume = {};  // frees memory for writing
   reader.reset();
 

@@ -42,6 +42,7 @@ std::vector<MeshOutputs::Other> others_of(const ExtractArguments& arguments) {
   std::vector<MeshOutputs::Other> others;
   if (arguments.report) others.push_back({*arguments.report, "report"});
   if (arguments.page) others.push_back({*arguments.page, "page"});
+  if (arguments.field) others.push_back({*arguments.field, "field"});
   if (arguments.returned_values) others.push_back({*arguments.returned_values, "returned values"});
   return others;
 }
@@ -156,6 +157,10 @@ void ExtractOutputs::write_text(const fs::path& name, const std::string& text) {
     stream_text_ = text;
   else
     files_.write(name, [&](const fs::path& staged) { write_text_file(text, staged); });
+}
+
+void ExtractOutputs::write_volume(const fs::path& name, const VolumeView& volume) {
+  files_.write(name, [&](const fs::path& staged) { write_nrrd(volume, staged); });
 }
 
 bool ExtractOutputs::commit(Interruption& interruption) {

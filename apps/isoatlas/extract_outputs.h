@@ -41,6 +41,9 @@ class ExtractOutputs {
   /// Writes a report or a page to the staging folder. `name` is that of the arguments.
   void write_text(const std::filesystem::path& name, const std::string& text);
 
+  /// Writes a volume to the staging folder, as NRRD.
+  void write_volume(const std::filesystem::path& name, const VolumeView& volume);
+
   /// Sends standard output, then puts all files in place.
   /// @return false if the run was interrupted while standard output was sent; no file is then
   /// written

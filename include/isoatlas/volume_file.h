@@ -106,4 +106,11 @@ ISOATLAS_API Volume read_volume(const std::filesystem::path& path, const ReadOpt
 /// @cost   one pass over all samples
 ISOATLAS_API std::string sample_digest(const VolumeView& volume);
 
+/// Writes a volume as NRRD, with raw samples in native byte order and the space
+/// left-posterior-superior. The file appears whole or not at all, and reading it gives the same
+/// samples and, but for rounding, the same grid.
+/// @throws Error(bad_file) if the file cannot be written
+/// @cost   O(N)
+ISOATLAS_API void write_nrrd(const VolumeView& volume, const std::filesystem::path& path);
+
 }  // namespace isoatlas

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "core/parallel.h"
 #include "interruptible.h"
 #include "isoatlas/error.h"
 #include "isoatlas/mask_field.h"
@@ -25,8 +24,7 @@ py::array mask_field_of(const ArrayVolume& labels, const std::vector<std::int64_
                         const std::string& connectivity, int threads, const py::object& progress) {
   const MaskFieldOptions options{connectivity_named(connectivity)};
   const Volume field = compute_interruptibly(
-      [view = labels.view(), wanted, options, threads](const RunControl& control) {
-        const ThreadLimit limit(threads);
+      [view = labels.view(), wanted, options](const RunControl& control) {
         return mask_field(mask_of_labels(view, wanted), options, control);
       },
       {.progress = progress, .threads = threads, .keep_alive = labels.array});

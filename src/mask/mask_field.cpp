@@ -35,6 +35,7 @@ Volume volume_of(const Grid& grid, std::shared_ptr<std::vector<float>> samples) 
 
 Volume mask_field(const VolumeView& mask, const MaskFieldOptions& options,
                   const RunControl& control) {
+  const ThreadLimit limit(control.threads);
   const Grid& grid = mask.grid;
   for (const std::size_t n : grid.size)
     require(n >= 2,

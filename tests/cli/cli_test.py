@@ -200,9 +200,10 @@ READING = ("--channel --time --layer --array --series --spacing --roi --max-memo
 
 class Help(ToolTest):
     OPTIONS = {
-        "extract": "--iso --label -o --output --format --report --inside --topology --coarse "
-        "--max-radius --covering --event-persistence --threads --nan --space -q --quiet -v "
-        "--verbose -h --help " + READING + "--levels --refine --max-distance --mean-distance "
+        "extract": "--iso --label --connectivity --save-field -o --output --format --report "
+        "--inside --topology --coarse --max-radius --covering --event-persistence --threads "
+        "--nan --space -q --quiet -v --verbose "
+        "-h --help " + READING + "--levels --refine --max-distance --mean-distance "
         "--area-curvature --area-curvature-smooth --geodesic-ratio --normal-angle --max-vertices "
         "--min-vertices --min-edge --max-edge --min-aspect --border --placement --glb-per-level "
         "--measure --measure-samples --min-component-size --keep-components "
@@ -497,12 +498,37 @@ class Labels(ToolTest):
         halves = self.volume_of(2) + self.volume_of(5)
         self.assertLess(halves, ball)
 
+    def test_the_field_is_a_volume_with_the_same_counts(self):
+        self.succeed("extract", "labels.nrrd", "--label", "2", "-o", "m.ply", "--save-field",
+                     "field.nrrd", "--report", "m.json")
+        report = json.loads((self.folder / "m.json").read_text())
+        checked = json.loads(self.succeed("check", "m.ply", "--volume", "field.nrrd", "--iso", "0",
+                                          "--topology", "faces", "--json"))
+        self.assertEqual(checked["components"], report["reference"]["components"])
+        self.assertLess(checked["distance"]["maximum"], 0.75)
+        self.succeed("extract", "field.nrrd", "--iso", "0", "--topology", "faces", "-o", "same.ply")
+        self.assertEqual((self.folder / "m.ply").read_bytes(),
+                         (self.folder / "same.ply").read_bytes())
+
+    def test_samples_that_touch_at_an_edge(self):
+        two = bytearray(5 * 5 * 5)
+        two[2 + 5 * (2 + 5 * 2)] = two[3 + 5 * (3 + 5 * 2)] = 1
+        self.put("two.nrrd", nrrd(bytes(two), (5, 5, 5), "unsigned char"))
+        for connectivity, count in [("18", "1 component,"), ("6", "2 components,")]:
+            printed = self.succeed("extract", "two.nrrd", "--label", "1", "--connectivity",
+                                   connectivity, "-o", "two.ply")
+            self.assertIn(count, printed)
+
     def test_what_does_not_go_together(self):
         for words, expected in [
             (["--iso", "3", "--label", "2"], "--iso excludes --label"),
             (["--label", "2", "--inside", "below"], "--label excludes --inside"),
             (["--label", "2", "--topology", "trilinear"], "--label excludes --topology"),
             (["--label", "2.5"], "--label: expected the whole number of a label, got '2.5'"),
+            (["--iso", "2", "--save-field", "f.nrrd"], "--save-field requires --label"),
+            (["--label", "2", "--save-field", "f.nii"],
+             "--save-field: expected a name that ends in .nrrd, got 'f.nii'"),
+            (["--label", "2", "--connectivity", "26"], "--connectivity: expected one of 18, 6"),
             (["--label", "3"], "no sample has the label 3; the labels are 0, 2, 5"),
             (["--label", "2", "--block-size", "8"],
              "--label needs the whole volume in memory, not blocks"),

@@ -179,8 +179,9 @@ def problems_of_block(block):
 # ----------------------------------------------------------------------------- generated volumes
 
 
-def write_volume(path, isovalue, size=(26, 22, 16)):
-    """Write a torus and a ball as float32 samples around the isovalue, which is the surface."""
+def write_volume(path, isovalue, label=None, size=(26, 22, 16)):
+    """Write a torus and a ball as float32 samples around the isovalue, which is the surface; or as
+    the samples with a label."""
     nx, ny, nz = size
     samples = array("f")
     for z in range(nz):
@@ -189,7 +190,8 @@ def write_volume(path, isovalue, size=(26, 22, 16)):
                 ring = math.hypot((x - 10.3) / 1.15, y - 10.6) - 6.2
                 torus = 2.6 - math.hypot(ring, z - 7.4)
                 ball = 1.8 - math.dist((x, y, z), (22.2, 17.8, 7.1))
-                samples.append(isovalue + 40 * max(torus, ball))
+                inside = max(torus, ball)
+                samples.append(isovalue + 40 * inside if label is None else label * (inside >= 0))
     if sys.byteorder == "big":
         samples.byteswap()
     if path.name.endswith((".nrrd", ".nrrd.gz")):
@@ -263,6 +265,14 @@ class Folder:
                 return float(found[1])
         return 100.0
 
+    def label(self, name):
+        """The label with which the page uses a segmentation, or None."""
+        for text in self.texts:
+            found = re.search(r"--label (\d+)", text)
+            if found and name in words(text):
+                return int(found[1])
+        return None
+
     def provide(self, command):
         """Write the files that the command reads and no earlier command wrote."""
         for name in inputs(command):
@@ -270,7 +280,7 @@ class Folder:
             if path.exists() or name.startswith("/"):
                 continue
             if name.endswith(VOLUMES):
-                write_volume(path, self.isovalue(name))
+                write_volume(path, self.isovalue(name), self.label(name))
                 continue
             volume = self.path / "bin/any.nrrd"
             write_volume(volume, 0)

@@ -73,6 +73,31 @@ TEST_P(EveryType, Nrrd) {
   check(*itk::NrrdImageIO::New(), "detached.nhdr", Geometry::full, 1e-12);
 }
 
+// Written by isoatlas, read by isoatlas and by ITK.
+TEST_P(EveryType, WrittenNrrd) {
+  VolumeView view;
+  view.grid = written_.grid;
+  view.type = written_.type;
+  view.samples = written_.bytes.data();
+  const auto path = folder_ / "written.nrrd";
+  write_nrrd(view, path);
+  expect_same(read_volume(path), written_, Geometry::full);
+  const auto itk = itk::NrrdImageIO::New();
+  itk->SetFileName(path.string());
+  itk->ReadImageInformation();
+  EXPECT_EQ(itk->GetComponentSize(), bytes_per_sample(written_.type));
+  std::string bytes(written_.bytes.size(), 0);
+  itk->Read(bytes.data());
+  EXPECT_EQ(bytes, written_.bytes);
+  const Grid& grid = written_.grid;
+  expect_near({itk->GetSpacing(0), itk->GetSpacing(1), itk->GetSpacing(2)}, grid.spacing, 1e-12);
+  expect_near({itk->GetOrigin(0), itk->GetOrigin(1), itk->GetOrigin(2)}, grid.origin, 1e-12);
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const std::vector<double> d = itk->GetDirection(axis);
+    expect_near({d[0], d[1], d[2]}, grid.direction[axis], 1e-12);
+  }
+}
+
 TEST_P(EveryType, MetaImage) {
   check(*itk::MetaImageIO::New(), "plain.mha", Geometry::full, 1e-9);
   check(*itk::MetaImageIO::New(), "packed.mha", Geometry::full, 1e-9, true);
