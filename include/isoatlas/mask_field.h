@@ -42,7 +42,7 @@ struct MaskFieldOptions {
 /// @throws Error(empty_surface) if all samples are inside or all are outside; Error(bad_argument)
 ///         for a volume with fewer than two samples along an axis; Error(cancelled)
 /// @return float32 samples, on the grid of the mask
-/// @cost   O(N) for the samples and about 10 microseconds per sample next to the boundary; 5 bytes
+/// @cost   O(N) for the samples and about 7 microseconds per sample next to the boundary; 5 bytes
 ///         per sample and about 0.6 KB per sample next to the boundary. Parallel; the same bytes
 ///         for any number of threads
 ISOATLAS_API Volume mask_field(const VolumeView& mask, const MaskFieldOptions& options = {},

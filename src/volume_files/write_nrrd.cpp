@@ -5,7 +5,7 @@
 //   [nrrd]  Definition of NRRD file format (teem.sourceforge.net/nrrd/format.html), version 5.
 #include <array>
 #include <bit>
-#include <cstdio>
+#include <charconv>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,14 +29,11 @@ std::string_view nrrd_name(SampleType type) {
   }
 }
 
-// With the fewest digits that give the same number.
+// With the fewest digits that give the same number, in any locale.
 std::string exact_digits(double number) {
   std::array<char, 32> text{};
-  for (int digits = 6; digits <= 17; ++digits) {
-    std::snprintf(text.data(), text.size(), "%.*g", digits, number);
-    if (std::stod(text.data()) == number) break;
-  }
-  return text.data();
+  char* const end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;
+  return std::string(text.data(), end);
 }
 
 std::string nrrd_vector(Vec3 v) {
